@@ -15,7 +15,7 @@ import pages
 import pytest
 import rooms
 import typer
-from needs import NEEDS_NUMBA
+from needs import NIGHTLY_TOY
 from pages import DOCS, ROOT
 
 import pwmap
@@ -204,8 +204,7 @@ def test_every_tutorial_is_tested() -> None:
     assert {path.stem for path in (DOCS / "tutorials").glob("*.py")} == set(TUTORIALS)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize("name", TUTORIALS)
 def test_a_tutorial_prints_its_numbers(name: str, tmp_path: Path) -> None:
     script = DOCS / "tutorials" / f"{name}.py"

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, SLOW_TOY
 from short_runs import short_run
 
 from pwmap import BranchKind, Diagram
@@ -79,8 +79,7 @@ def test_points_are_paired_with_others_that_are_near() -> None:
     assert (left, free) == ([2, 3], [2])
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_nothing_is_missing(tmp_path_factory: pytest.TempPathFactory) -> None:
     results = short_run("completeness", tmp_path_factory.mktemp("completeness"))
     for part in (results["paper"], *results["toys"]):

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, SLOW_TOY
 from short_runs import is_picture, kept_run, short_run
 
 from studies import paper_numbers, sensitivities
@@ -64,8 +64,7 @@ def test_frames_refuse_another_motion() -> None:
     assert len(motion.frames(nominal)) == 8
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_return_map(tmp_path: Path) -> None:
     results = short_run("fig08_return_map", tmp_path)
     assert is_picture(tmp_path / "fig08.png")
@@ -103,8 +102,7 @@ def figure_8(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
     return results
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_the_sum_gives_figure_8_to_its_resolution(figure_8: dict[str, Any]) -> None:
     """3e-4 is half a unit of the graphic upwards; rounding alone leaves a quarter in the median."""
     summed, separate = figure_8["laws"]["summed"], figure_8["laws"]["separate"]
@@ -120,8 +118,7 @@ def test_the_sum_gives_figure_8_to_its_resolution(figure_8: dict[str, Any]) -> N
     assert separate["double"]["within"] < 10
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_every_vertex_of_figure_8_is_counted(figure_8: dict[str, Any]) -> None:
     counts = [figure_8["laws"]["summed"][kind]["count"] for kind in ("double", "single", "jammed")]
     line = figure_8["line"]
@@ -173,8 +170,7 @@ def cone(toy: Toy) -> float:
     return -0.3 - 0.2 * low / (high - low)
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_sensitivities(tmp_path: Path) -> None:
     results = short_run("sensitivities", tmp_path)
     assert is_picture(tmp_path / "sensitivities.png")
@@ -215,8 +211,7 @@ def test_the_unit_of_the_last_digit() -> None:
     assert units == pytest.approx([1e-4, 1e-2, 1e-10, 1.0], rel=1e-12)
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_paper_numbers(tmp_path: Path) -> None:
     results = short_run("paper_numbers", tmp_path)
     rows: dict[str, dict[str, Any]] = {row["quantity"]: row for row in results["rows"]}
@@ -247,8 +242,7 @@ def test_the_last_digit_decides() -> None:
     assert row("x", "-2.0", -1.0, "").relative_difference == 0.5
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_the_points_of_figure_10() -> None:
     found = {law: paper_numbers.between_a_and_b(law) for law in paper_numbers.LAWS}
     rows = {row.quantity: row for row in paper_numbers.special_points(found)}

@@ -4,7 +4,7 @@ from dataclasses import replace
 from pkgutil import resolve_name
 
 import pytest
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, SLOW_TOY
 from short_runs import short_run
 
 from pwmap import Diagram
@@ -68,8 +68,7 @@ def test_a_mechanism_that_matters_is_seen() -> None:
     assert table[-1].endswith("changes without `search.accumulations.ENDLESS`.")
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_the_study_of_mechanisms_runs(tmp_path_factory: pytest.TempPathFactory) -> None:
     results = short_run("mechanisms", tmp_path_factory.mktemp("mechanisms"))
     assert len(results["without"]) == 3

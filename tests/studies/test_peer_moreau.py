@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from scenes import plain
 
 from studies.peers import moreau
@@ -43,8 +43,7 @@ def test_one_return_of_the_nominal_cycle(scheme: str, solver: str) -> None:
     assert once.evaluations == np.ceil(once.period / FINE)
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 @pytest.mark.parametrize(("scheme", "solver"), EVERY_WAY)
 def test_the_order_is_one(scheme: str, solver: str) -> None:
     """The rms over nine steps scatters by 1/sqrt(18) = 24 %, 0.1 in the order over 1.5 decades."""
@@ -54,8 +53,7 @@ def test_the_order_is_one(scheme: str, solver: str) -> None:
     assert all(step <= ASYMPTOTIC for step in table["step"])
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 @pytest.mark.parametrize("eps_n1", [0.9, 0.5])
 def test_images_agree_with_the_kernel_over_the_window(eps_n1: float) -> None:
     """All these starts have one contact at most in an impact of the beak, or one that slides."""
@@ -66,8 +64,7 @@ def test_images_agree_with_the_kernel_over_the_window(eps_n1: float) -> None:
         assert once.phi_s == pytest.approx(kernel.phi_s, abs=allowed)
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_newton_and_poisson_differ_where_the_beak_begins_to_stick() -> None:
     """No step makes up for another impact law: 6.9e-3 rad remain, a hundred times the error."""
     eps_n1, phi_s = LAWS

@@ -4,7 +4,7 @@ import json
 
 import matplotlib.pyplot as plt
 import pytest
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, SLOW_TOY
 
 from studies.peers import pydstool_peer
 from studies.peers.peer import LostError
@@ -62,8 +62,7 @@ def test_a_missing_pydstool_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @needs_pydstool
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_a_general_program_leaps_over_a_jump_unseen() -> None:
     """Towards 0 it goes on beyond C, on the branch to A; towards 1 it stops where F2 ends."""
     down, up = main(fast=True)["runs"]

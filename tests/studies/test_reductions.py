@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from short_runs import is_picture, short_run
 
 from studies.common.laws import CONTACT_BY_CONTACT, LAWS, SUMMED, TOYS
@@ -93,8 +93,7 @@ def test_dense_sampling_finds_the_events_that_isolation_finds(
     assert events.wrong(phases, *events.sampled(smooth, 0.05)) > 0  # longer than a swing
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_sampling_misses_what_isolation_finds_next_to_grazing() -> None:
     near = beside_edges(events.GRAZED, np.linspace(-2.5, -0.24, 20))
     phases = [p for p in recorded(events.GRAZED, near)[0] if p.time < events.LONGEST]

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from short_runs import short_run
 
 from studies import readme, run_all
@@ -34,8 +34,7 @@ WITHIN = {  # differences from closed forms; of roots that are located where mot
 }
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 @pytest.mark.parametrize("name", [name for name in run_all.STUDIES if name not in RUN])
 def test_any_other_study_runs_in_its_small_version(name: str, tmp_path: Path) -> None:
     results = short_run(name, tmp_path)

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from short_runs import short_run
 
 from studies.two_parameters import (
@@ -21,8 +21,7 @@ from studies.two_parameters import (
 from woodpecker import Toy, curve_in_two
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_places_of_a_are_those_of_one_parameter(tmp_path: Path) -> None:
     found = short_run("two_parameters", tmp_path)
     a = found["a"]
@@ -35,8 +34,7 @@ def test_places_of_a_are_those_of_one_parameter(tmp_path: Path) -> None:
     assert (tmp_path / "two_parameters.png").stat().st_size > 10_000
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 @pytest.mark.parametrize(
     ("name", "second"), [*((name, "mu_2") for name in (*NAMES, FLIP, *ISLAND)), ("I1", "l_s")]
 )
@@ -50,8 +48,7 @@ def test_every_tenth_place_of_every_curve_is_that_of_one_parameter(name: str, se
     assert found["confirmed"] == found["looked"]
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_both_ends_of_the_island_are_one_curve() -> None:
     """Over the friction of the lower edge multipliers of +1 and -1 at the border lie between."""
     toy = Toy()

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from short_runs import is_picture, short_run
 
 from studies.common.laws import CONTACT_BY_CONTACT
@@ -126,8 +126,7 @@ def test_a_return_that_cannot_be_proved_is_lost() -> None:
         first_return_enclosed(Toy(eps_n1=0.028), -1.567, 128)
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_the_study_runs_and_nothing_is_unmarked(tmp_path: Path) -> None:
     results = short_run("work_precision", tmp_path)
     assert is_picture(tmp_path / "work_precision.png")

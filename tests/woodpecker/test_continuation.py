@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from same import differences
 from toy_points import POINTS
 
@@ -73,8 +73,7 @@ SPECIAL = {  # C, the other end of C's jump, A, B: as (kind, eps_n1, phi_s)
 both_laws = pytest.mark.parametrize("law", SPECIAL)
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 @both_laws
 def test_special_points(law: str, request: pytest.FixtureRequest) -> None:
     """Points A, B, C of the paper, and the other end of the jump branch that starts at C."""
@@ -106,8 +105,7 @@ def test_special_points(law: str, request: pytest.FixtureRequest) -> None:
             assert (end.note, end.cause) == ("persistence", AT_ONCE)
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 @both_laws
 def test_from_c_to_b(law: str, request: pytest.FixtureRequest) -> None:
     """The stable branch, C, a jump, a fixed point, A, a jump, B: in this order, one branch each."""
@@ -121,8 +119,7 @@ def test_from_c_to_b(law: str, request: pytest.FixtureRequest) -> None:
         assert [branch.kind for branch in between] == [kind]
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_samples_are_motions_of_the_toy(toy_diagram: Diagram) -> None:
     """Samples inside stretches: the searching kernel returns to them, with their word and slope."""
     rng, count = np.random.default_rng(5), 0
@@ -143,8 +140,7 @@ def test_samples_are_motions_of_the_toy(toy_diagram: Diagram) -> None:
     assert count > 30
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_jumps_cross_the_diagonal(toy_diagram: Diagram) -> None:
     """1e-12 beside the jump the map lies strictly across the diagonal."""
     count = 0
@@ -159,8 +155,7 @@ def test_jumps_cross_the_diagonal(toy_diagram: Diagram) -> None:
     assert count > 20
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_flips_have_their_multiplier_and_change_stability(toy_diagram: Diagram) -> None:
     flips = [point for point in toy_diagram.points if point.kind is PointKind.PD]
     assert len(flips) == 3
@@ -229,16 +224,14 @@ def kept(motion: PeriodicOrbit, tmp_path_factory: pytest.TempPathFactory) -> tup
     return path, found
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_what_is_kept_is_what_was_found(kept: tuple[Path, Diagram]) -> None:
     path, whole = kept
     for saved in (saved_diagram(path), saved_diagram(str(path))):
         assert differences(saved, whole) == []
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_only_the_same_run_goes_on(
     kept: tuple[Path, Diagram], motion: PeriodicOrbit, tmp_path: Path
 ) -> None:

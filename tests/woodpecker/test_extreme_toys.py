@@ -13,7 +13,7 @@ from typing import TypeVar
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, NIGHTLY_TOY
 
 from studies.common.random_toys import random_toy
 from woodpecker import (
@@ -130,8 +130,7 @@ def assert_simulates(toy: Toy, start: float | State, t_end: float, tally: Counte
         assert finite(balance.initial, balance.final, balance.residual)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_every_call_refuses_or_has_a_status() -> None:
     """1 000 toys; a third of the calls is refused, and a tenth of the rest returns."""
     rng, tally = random.Random(33), Counter[str]()
@@ -150,8 +149,7 @@ def test_every_call_refuses_or_has_a_status() -> None:
     assert tally["refused"] > 2000
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_what_is_followed_refuses_or_has_a_status() -> None:
     """Shooting, and from what it finds branches, slices and orbits."""
     rng, tally, found = random.Random(34), Counter[str](), 0
@@ -259,8 +257,7 @@ def test_a_toy_that_never_jams_is_known_at_once() -> None:
     assert first_return(Toy(mu_2=0.0), -0.5).status is Status.NEVER_JAMS
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_returns_end_below_the_equilibrium() -> None:
     """Random toys: a jammed sleeve holds up to its equilibrium; some returns end close to it."""
     count, closest = 0, math.inf

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, NIGHTLY_TOY, SLOW_TOY
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from studies.common.random_toys import random_toy
@@ -30,8 +30,7 @@ from woodpecker.toy_map import ToyPieces
 START = -0.53  # rad, near the stable motion
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_through_infinitely_many_borders() -> None:
     """Above eps_n2 = 0.9615713796 the lower sleeve bounces N times until it stops sliding.
 
@@ -66,8 +65,7 @@ def test_through_infinitely_many_borders() -> None:
     assert last.multiplier[-1] == pytest.approx(first_return(Toy(eps_n2=1.0), last.x[-1]).slope)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_jumps_go_round_corners() -> None:
     """At mu_2 = 0.28322807 two borders of P_1 meet, and the one that crosses changes."""
     for law in ("summed", "separate"):
@@ -88,8 +86,7 @@ def test_jumps_go_round_corners() -> None:
                 assert 0.0 < end.precision < 1e-6
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_a_crossing_does_not_go_back_on_the_border_by_which_it_came() -> None:
     """At h_S = 0.0206262652 borders meet in pairs: a crossing comes on one and leaves on another.
 
@@ -107,8 +104,7 @@ def test_a_crossing_does_not_go_back_on_the_border_by_which_it_came() -> None:
     assert table["closer"] == 0
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 @pytest.mark.parametrize(("start", "guess"), [(0.2, -0.5878), (0.25, -0.5523), (0.29, -0.5344)])
 def test_a_grazing_with_one_word_on_both_sides_is_seen_from_both(
     start: float, guess: float
@@ -131,8 +127,7 @@ def test_a_grazing_with_one_word_on_both_sides_is_seen_from_both(
     }
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
     """P_1 flips 3e-8 below its fold, the doubled cycle 1.2e-8 below that; its points are as close.
 
@@ -165,8 +160,7 @@ def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
     assert not any(point.kind is PointKind.LP for point in doubled.points)
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_a_border_right_before_the_flip_that_ends_a_doubled_branch() -> None:
     """The cycle of P_2 meets a border where its points are 2.5e-8 apart, 3e-8 before P_1 flips.
 
@@ -190,8 +184,7 @@ def test_a_border_right_before_the_flip_that_ends_a_doubled_branch() -> None:
     assert sorted(diagram.branch(name).order for name in flip.branches) == [1, 1, 2, 2]
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_folds_side_by_side() -> None:
     """Branches with slopes of 1e3 to 1e6 run 5e-5 of the window beside each other.
 
@@ -210,8 +203,7 @@ def test_folds_side_by_side() -> None:
     assert len(found.branches) - len(tips) == 24
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_infinitely_many_fold_flips() -> None:
     """mu_2: each return of a chain goes round a motion without a return once more than the last.
 
@@ -232,8 +224,7 @@ def test_infinitely_many_fold_flips() -> None:
     assert np.abs(last.parameter[[0, -1]] - limit.parameter).min() <= limit.precision
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_a_crossing_whose_words_are_dense_reaches_its_end() -> None:
     """A leap over words that follow each other within 1e-4 of the span is longer than what is left.
 
@@ -249,8 +240,7 @@ def test_a_crossing_whose_words_are_dense_reaches_its_end() -> None:
     assert len(found.samples) < 1000
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_where_borders_accumulate_a_crossing_may_meet_its_border_with_another_point() -> None:
     """Such a crossing of P_3 has other unknowns, and is not the one that was followed.
 
@@ -321,8 +311,7 @@ def test_round_corners_a_crossing_comes_to_its_end(
 DIGITS = 1e-10  # of the places that are written here
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize(
     ("p", "x"), [(0.14, -2.42089938), (0.165, -1.89591451), (0.3, -1.11014887)]
 )
@@ -347,8 +336,7 @@ def test_a_margin_that_dips_below_zero_does_not_turn_a_branch_round(p: float, x:
     assert (way * np.diff(curve.parameter)).min() > -settings.same * settings.p_scale
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_a_jump_of_the_second_iterate_whose_limit_ends_in_a_root() -> None:
     """Beyond that root the next return has no value: no sample there, and the branch goes on."""
     settings = Settings(span=(0.012, 0.3), window=(-2.5, -0.24))

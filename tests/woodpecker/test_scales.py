@@ -13,7 +13,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import sympy
-from needs import NEEDS_NUMBA
+from needs import NIGHTLY_TOY, SLOW_TOY
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.settings import Settings
@@ -78,8 +78,7 @@ VARIED = [
 MET = {"r_m": (1.029618964418, -0.5557567902), "l_g": (0.925648559380, -0.4357570080)}
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize("name", VARIED)
 def test_every_length_mass_and_stiffness(name: str) -> None:
     """Over 20 % to both sides: branches end at ends of span, window or domain, or in a fall."""
@@ -105,8 +104,7 @@ def test_every_length_mass_and_stiffness(name: str) -> None:
         assert sorted(reached) == pytest.approx([0.8, 1.2], abs=1e-15)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize("units", UNITS)
 @pytest.mark.parametrize("name", [*MASSES, *INERTIAS, *(n for n in LENGTHS if n != "h_m"), "c_phi"])
 def test_the_diagram_is_the_same_in_other_units(name: str, units: str) -> None:
@@ -129,8 +127,7 @@ def test_the_diagram_is_the_same_in_other_units(name: str, units: str) -> None:
             assert abs(p - q) <= off + also < 1e-11
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_folds_between_two_sets_of_one_word_are_found() -> None:
     """Between them a flight of the lower sleeve ends and another begins: the word is the same."""
     toy = Toy()
@@ -141,8 +138,7 @@ def test_folds_between_two_sets_of_one_word_are_found() -> None:
         assert kinds == {PointKind.BC, PointKind.LP, PointKind.PD}
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_steep_branches_side_by_side_are_told_apart() -> None:
     """Less than 1e-6 apart, of slopes below 1e6: none of them changes over to its neighbour.
 

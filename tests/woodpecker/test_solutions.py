@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 import sympy
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, NIGHTLY_TOY, SLOW_TOY
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from woodpecker.base.settings import Settings
@@ -25,8 +25,7 @@ def diagram() -> Diagram:
     return continuation(TOY, shoot(TOY, -0.53), span=(0.1, 0.7))
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_each_branch_is_met_exactly(diagram: Diagram) -> None:
     """Straight lines are off by some 1e-5; solutions by the rounding of a return."""
     furthest = 0.0
@@ -45,8 +44,7 @@ def test_each_branch_is_met_exactly(diagram: Diagram) -> None:
     assert 1e-6 < furthest < 1e-3
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_a_branch_is_solved_for_up_to_its_ends(diagram: Diagram) -> None:
     """On a border the map takes either piece: the solution keeps that of its own branch."""
     ended = 0

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from sympy import Piecewise, symbols
 
 from pwmap.diagrams.diagram import Diagram, PointKind
@@ -87,8 +87,7 @@ STARTS = {
 }  # fmt: skip
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 @pytest.mark.parametrize("scene", STARTS)
 def test_toys_show_the_same_from_two_starts(scene: str) -> None:
     """All special points of the motions that are connected, each to 1e-9 of its value."""
@@ -105,8 +104,7 @@ def test_toys_show_the_same_from_two_starts(scene: str) -> None:
     )
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_both_points_of_a_doubled_cycle_end_in_one_flip() -> None:
     """Where they meet they are known to the root of rounding, 5e-8 rad off the single cycle."""
     drawn = random_toy(18)

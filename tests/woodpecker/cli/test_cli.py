@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import typer
 from commands import invoked, rows
-from needs import NEEDS_NUMBA
+from needs import NIGHTLY_TOY, SLOW_TOY
 from typer.testing import CliRunner
 
 import woodpecker
@@ -137,8 +137,7 @@ def test_a_motion_of_a_smaller_period_is_followed_and_said(tmp_path: Path) -> No
     assert {row["order"] for row in rows(tmp_path / "branches.csv")} == {"1"}
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_a_motion_that_ends_at_the_event_limit_fails_after_it_was_written(tmp_path: Path) -> None:
     """Eleven events in 0.146 s: 20000 of them take 265 s."""
     status, text = run("simulate", "--t-end", "300", "--out", str(tmp_path))
@@ -224,8 +223,7 @@ def left_open(text: str) -> int:
     return int(found[1]) if found else 0
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -291,8 +289,7 @@ def test_what_is_observed_stands_beside_the_multiplier(tmp_path: Path) -> None:
     assert float(row["drop"]) == pytest.approx(19.4454e-3, abs=5e-8)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
     """A, B and C by default, others on request; the words of samples are those of stretches."""
     status, text = run("diagram", "--span", "0.1", "0.5", "--words", "--out", str(tmp_path))
@@ -319,8 +316,7 @@ def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
     assert [row["name"] for row in rows(tmp_path / "points.csv") if row["name"]] == ["Q"]
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path) -> None:
     arguments = ("--parameter", "mu_2", "--span", "0.295", "0.305", "--out", str(tmp_path))
     status, text = run("diagram", *arguments, "--names", "flip=PD9")
@@ -334,8 +330,7 @@ def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path
     assert rows(tmp_path / "points.csv")[0]["name"] == "end"
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_every_branch_with_pictures_of_each_order_and_of_fold_flips(tmp_path: Path) -> None:
     """Order 1 and 2 next to A: diagram, one picture for each order, and A beside its model."""
     arguments = [

@@ -3,9 +3,8 @@
 import csv
 from pathlib import Path
 
-import pytest
 from commands import invoked
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 
 from pwmap import read_graph
 from woodpecker.cli.app import app
@@ -19,8 +18,7 @@ def run(*arguments: str) -> tuple[int, str]:
     return found.exit_code, " ".join(found.output.split())
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_it_follows_a_and_c(tmp_path: Path) -> None:
     code, output = run("--from", "A,C", *NEAR_A, "--out", str(tmp_path))
     assert code == 0

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from needs import NEEDS_NUMBA
+from needs import NIGHTLY_TOY, SLOW_TOY
 from processes import SIGNALS, is_running, seconds, started, wait_until
 from typer.testing import CliRunner
 
@@ -50,8 +50,7 @@ def ended(process: subprocess.Popen[str], number: signal.Signals) -> tuple[str, 
     return text, complaint
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path) -> None:
     return_map(Toy(), [-0.9])  # compiles, if that was not done before
@@ -70,8 +69,7 @@ def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path)
     assert not list(tmp_path.glob("*.png"))  # pictures would take their time
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize("number", SIGNALS)
 def test_a_map_keeps_the_starts_that_are_finished(number: signal.Signals, tmp_path: Path) -> None:
     """A million starts would take minutes, and many seconds to become a table."""
@@ -106,8 +104,7 @@ if __name__ == "__main__":
 """
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize("spawned", [False, True], ids=["fork", "spawn"])
 @pytest.mark.parametrize("number", [*SIGNALS, signal.SIGKILL])
 def test_workers_of_a_proof_end_with_it(
@@ -124,8 +121,7 @@ def test_workers_of_a_proof_end_with_it(
     assert process.returncode in (1, -number)  # a script that nothing was told about signals
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_a_command_ends_while_its_kernel_is_compiled(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -288,8 +284,7 @@ def test_files_are_written_whole_before_a_request_is_taken() -> None:
 # --- What is kept ---------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_curves_that_are_finished_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     follow, found = woodpecker.curve_in_two, list[Curve]()
 
@@ -308,8 +303,7 @@ def test_curves_that_are_finished_are_kept(tmp_path: Path, monkeypatch: pytest.M
     assert names == {*curves_command.TABLES, *curves_command.GRAPHS, "about_curves.json"}
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_curves_between_regions_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     search = woodpecker.regions.parameter_regions
 
@@ -344,8 +338,7 @@ def test_where_nothing_is_finished_nothing_is_left(
         assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 @pytest.mark.parametrize(
     ("error", "status", "said"),
     [

@@ -4,7 +4,7 @@ import csv
 from pathlib import Path
 
 import pytest
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from typer.testing import CliRunner
 
 from pwmap.plot.palette import of_period
@@ -19,8 +19,7 @@ BESIDE_THE_FLIP = (
 )  # fmt: skip
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_the_flip_cuts_the_plane_in_two(tmp_path: Path) -> None:
     found = CliRunner().invoke(app, [*BESIDE_THE_FLIP, "--out", str(tmp_path)])
     assert found.exit_code == 0

@@ -4,15 +4,14 @@ from pathlib import Path
 
 import pytest
 from commands import rows
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from typer.testing import CliRunner
 
 from woodpecker.cli.app import app
 from woodpecker.cli.robustness import FILES
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_tables_on_screen_and_on_disk(tmp_path: Path) -> None:
     found = CliRunner().invoke(
         app, ["robustness", "--parameters", "eps_n1,mu_2", "--out", str(tmp_path)]

@@ -10,7 +10,7 @@ pytest.importorskip("flint")
 from flint import arb
 from mpmath import mp, mpf
 from mpmath_numbers import rational
-from needs import NEEDS_NUMBA
+from needs import NIGHTLY_TOY, SLOW_TOY
 
 from pwmap.checking import Refused
 from woodpecker import Toy, shoot
@@ -166,8 +166,7 @@ def through_a_plateau() -> ProvedBranch:
         )
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_a_branch_goes_through_a_plateau_without_a_gap() -> None:
     branch = through_a_plateau()
     assert branch.gaps == []
@@ -179,8 +178,7 @@ def test_a_branch_goes_through_a_plateau_without_a_gap() -> None:
     assert "without a gap, with no flip" in check(dict(certificate.content))
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_a_landing_on_the_other_side_is_refused() -> None:
     """With one of both ways left out, or a late landing called an early one."""
     content = of_branch(through_a_plateau(), 35)

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 import pytest
 import sympy
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, SLOW_TOY
 from sympy import Piecewise, Rational, sqrt, symbols
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
@@ -357,8 +357,7 @@ def drawn(x: float, p: float) -> tuple[PeriodicOrbit, Diagram]:
     return orbit, continuation(toy, orbit, "eps_n1", SPAN, settings=settings)
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_a_branch_leaves_where_bounces_accumulate_for_ever_fewer() -> None:
     """From ever more bounces, summed, to n of them: borders at distances like 0.187^n."""
     orbit, diagram = drawn(-0.615118904, 0.42408161)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from legends import explained
 from matplotlib.ticker import MaxNLocator
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, SLOW_TOY
 
 from woodpecker import Toy, Trajectory, return_map, simulate
 from woodpecker.plot.figures import plot_return_map
@@ -114,8 +114,7 @@ def test_a_jump_is_seen_whole() -> None:
     assert high > -0.75
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_where_the_jammed_woodpecker_swings_all_points_are_fixed() -> None:
     """Down to -0.2386 it comes back as far as it started; the curve leaves the picture twice."""
     drawn = plot_return_map(Toy(), return_map(Toy(), np.linspace(-0.3, -0.15, 800)))
@@ -126,8 +125,7 @@ def test_where_the_jammed_woodpecker_swings_all_points_are_fixed() -> None:
     assert marks.get_xdata() == pytest.approx([-0.2515, -0.1755], abs=4e-4)
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_free_fall_and_what_lies_below_are_marked() -> None:
     drawn = plot_return_map(Toy(), return_map(Toy(), np.linspace(-2.5, 0.11, 2000)))
     (falls,) = drawn.artists["free fall"]

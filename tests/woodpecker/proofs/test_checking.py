@@ -10,7 +10,7 @@ import pytest
 pytest.importorskip("flint")
 
 from mpmath import mp, mpf
-from needs import NEEDS_NUMBA
+from needs import NIGHTLY_TOY, SLOW_TOY
 from tampering import changed_texts, false_orbits, resealed
 from typer.testing import CliRunner
 
@@ -100,8 +100,7 @@ def orbit() -> dict[str, object]:
     return dict(prove(shoot(Toy(eps_n1=0.5), -0.53)).content)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_a_thousand_tampered_certificates_are_refused(
     orbit: dict[str, object], tmp_path: Path
 ) -> None:
@@ -122,8 +121,7 @@ def test_a_thousand_tampered_certificates_are_refused(
     assert refused == 1000
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_refusals_say_why(orbit: dict[str, object]) -> None:
     with pytest.raises(Refused, match="the seal is broken"):
         check({**orbit, "stable": False})
@@ -149,8 +147,7 @@ def test_refusals_say_why(orbit: dict[str, object]) -> None:
             check(resealed({**orbit, "toy": toy}))
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_commands(tmp_path: Path) -> None:
     run = CliRunner()
     out = tmp_path / "out"

@@ -12,7 +12,7 @@ import pytest
 
 pytest.importorskip("flint")
 
-from needs import NEEDS_NUMBA
+from needs import SLOW_TOY
 from tampering import moved, resealed
 
 from pwmap.checking import Refused
@@ -321,8 +321,7 @@ def test_stretches_between_gaps_are_not_said_to_belong_together(branch: Content)
         check(signed({**content, "pieces": [point, content["pieces"][1]]}))
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_a_cycle_whose_word_is_open_is_told_both() -> None:
     """Where the lower sleeve only just stays, in a tube that holds starts of both words."""
     toy = Toy(eps_n1=0.20535840734706282)

@@ -13,7 +13,7 @@ pytest.importorskip("flint")
 from flint import arb
 from mpmath import mp, mpf
 from mpmath_numbers import rational as exactly
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, NIGHTLY_TOY, SLOW_TOY
 from toy_points import EVERY, POINTS
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, SpecialPoint
@@ -93,8 +93,7 @@ def test_data_are_the_decimals_of_the_paper() -> None:
     assert data(Toy()) == CHECKED  # the checker has its own table of them
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_the_stable_cycle() -> None:
     certificate = prove(shoot(Toy(eps_n1=0.5), -0.53))
     content = certificate.content
@@ -114,8 +113,7 @@ def test_the_stable_cycle() -> None:
     assert check(content) == certificate.statement
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
     orbit = shoot(Toy(eps_n1=0.66), -0.53, 2)
     assert orbit.minimal_period == 2
@@ -127,8 +125,7 @@ def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
     assert float(Fraction(steep.content["multiplier"][0])) == pytest.approx(-1398.76, abs=0.01)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize(
     ("law", "name"), [each for each in EVERY if each != ("separate", "end of the branch from A")]
 )
@@ -158,8 +155,7 @@ def refined(point: SpecialPoint, law: str) -> SpecialPoint:
     )
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     toy = Toy()
     with precision(128):
@@ -183,8 +179,7 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     assert "without a gap, with no flip" in certificate.statement
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_a_flip_lies_on_one_short_piece() -> None:
     toy, span = Toy(), Fractions(Fraction("0.6485488"), Fraction("0.6485494"))
     with precision(128):
@@ -197,8 +192,7 @@ def test_a_flip_lies_on_one_short_piece() -> None:
     assert check(certificate.content).endswith("without a gap, with exactly one flip.")
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
     """Against differences of multipliers of orbits in doubles."""
     toy, p = Toy(), Fraction("0.65")
@@ -252,8 +246,7 @@ def test_wrong_spans_and_points_are_refused_before_anything_is_proved() -> None:
             prove(SpecialPoint(id="A", kind=PointKind.FF, parameter=p, x=x))
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_what_cannot_be_proved_is_said() -> None:
     with pytest.raises(ValueError, match="proofs move one of eps_n1, eps_n2, eps_n3, got 'mu_2'"):
         prove(SpecialPoint(id="P", kind=PointKind.BC, parameter=0.3, x=-0.8), parameter="mu_2")

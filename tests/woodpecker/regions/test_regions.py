@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy
-from needs import NEEDS_NUMBA
+from needs import NIGHTLY_TOY
 from shapely import LineString, MultiLineString
 
 import woodpecker.regions
@@ -150,8 +150,7 @@ def test_a_curve_that_ends_right_beside_another_cuts_a_face() -> None:
     assert areas == pytest.approx([0.5 * 4 / 9, 0.5 * 5 / 9, 0.5], rel=1e-9)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_regions_of_the_toy_beside_the_flip() -> None:
     """Right of the flip at 0.6485 the cycle is unstable; shooting says the same."""
     toy = Toy()

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, NIGHTLY_TOY, SLOW_TOY
 
 from woodpecker import Toy, first_return, shoot
 from woodpecker.robustness import Effect, Robustness, SmallestChange, meeting, smallest_changes
@@ -69,8 +69,7 @@ def test_nothing_is_nearer_in_random_directions() -> None:
             x = orbit.phi_s
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_a_limit_is_where_shooting_first_finds_an_unstable_motion() -> None:
     """Between two flips three samples lie, of which two are flips: no spike of instability."""
     toy = Toy()
@@ -164,8 +163,7 @@ def test_what_is_no_stable_motion_is_refused() -> None:
 # --- Spikes ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_a_spike_at_a_grazing_is_no_end() -> None:
     """Right before a grazing the multiplier, -0.87 on both sides, has no bound.
 

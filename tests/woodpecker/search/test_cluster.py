@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 from diagrams import to_the_last_bit
 from maps import everything
-from needs import NEEDS_NUMBA
+from needs import NIGHTLY_TOY
 from scenes import ROOT
 
 from woodpecker import (
@@ -61,8 +61,7 @@ def searched(**options: Any) -> Any:
     return everything(two_lines(), SETTINGS, (1, 2, 4), SEARCH, **options)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_the_page_does_as_it_says(
     client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -17,7 +17,7 @@ import numpy as np
 import pytest
 from diagrams import to_the_last_bit
 from maps import Line, logistic, one_piece, paper
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, SLOW_TOY
 
 from pwmap import Diagram, PiecewiseLinearMap
 from woodpecker import (
@@ -404,8 +404,7 @@ def test_a_map_that_cannot_be_sent_is_refused() -> None:
 # --- The toy --------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_nothing_is_drawn_outside_of_the_window() -> None:
     """A 2-cycle meets the jump at -0.8848; its other point, -1.322, lies outside of the window.
 

@@ -22,7 +22,7 @@ from maps import (
     tent,
     two_lines,
 )
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, SLOW_TOY
 
 from woodpecker import (
     FormulaMap,
@@ -304,8 +304,7 @@ def test_every_jump_of_the_doubling_map(order: int) -> None:
 # --- The toy --------------------------------------------------------------------------------------
 
 
-@pytest.mark.slow
-@NEEDS_NUMBA
+@SLOW_TOY
 def test_slices_of_the_toy() -> None:
     """Fixed points and jumps at eps_N1 = 0.5 and 0.35, where the island I1 is open."""
     settings = Settings(window=(-2.5, -0.24))

@@ -7,7 +7,7 @@ import itertools
 import numpy as np
 import pytest
 from maps import logistic
-from needs import NEEDS_NUMBA
+from needs import NEEDS_NUMBA, NIGHTLY_TOY, SLOW_TOY
 from sympy import Piecewise, symbols
 
 from pwmap import PointKind, PointStatus
@@ -48,8 +48,7 @@ def points(slices: list[Slice], order: int) -> Floats:
     return np.sort([*cycles, *jumps])
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 @pytest.mark.parametrize("p", [0.2203362, 0.3, 0.38, 0.42, 0.7086834])
 def test_every_change_of_sign_of_a_table_is_in_the_slice(p: float) -> None:
     """Of P_1, looked for alone and with P_2, and of P_2."""
@@ -67,8 +66,7 @@ def test_every_change_of_sign_of_a_table_is_in_the_slice(p: float) -> None:
         assert not len(missing), missing
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_cycles_of_period_two_at_a_steep_place() -> None:
     """Pieces of 1e-4 rad and slopes of 1e4 to 1e6; each cycle closes under the map itself.
 
@@ -104,8 +102,7 @@ def test_fixed_points_beside_dips(p: float, x: float) -> None:
     assert min(abs(float(orbit.x[0]) - x) for orbit in found.cycles) < 5e-6
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 def test_a_jump_of_the_second_iterate_beside_a_minimum() -> None:
     """P_2 jumps from -0.485 to -1.698 at a preimage of -0.88477 beside a minimum."""
     (second,) = slices_at(ToyPieces(Toy()), 0.36, (2,), SETTINGS)
@@ -124,8 +121,7 @@ class Counted:
         return self.map.at(x, p)
 
 
-@pytest.mark.nightly
-@NEEDS_NUMBA
+@NIGHTLY_TOY
 def test_what_leads_elsewhere_is_skimmed() -> None:
     """At 0.15 infinitely many pieces accumulate at a dip: they are neither met nor forgotten."""
     near, all_ = Counted(), Counted()
@@ -179,8 +175,7 @@ def test_the_band_of_centres_is_left_out(order: int) -> None:
     assert all(cycle.x.max() < -0.242 for cycle in found.cycles)
 
 
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 @pytest.mark.parametrize(("parameter", "branches"), [("c_phi", 6), ("m_s", 7), ("g", 6)])
 def test_no_branch_ends_in_the_band_of_centres(parameter: str, branches: int) -> None:
     """More than two hundred did, and were drawn with open ends; over g one went along its edge."""

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import sympy
-from needs import NEEDS_HEYOKA
+from needs import NIGHTLY_SYSTEM, SLOW_SYSTEM
 from test_friction_of_systems import body
 from test_impacts_in_turns import F, T, V, X, pushed_block
 
@@ -30,8 +30,7 @@ def margins_by_differences(image: SpaceImage, x: Floats, p: Floats, h: float) ->
     return np.array(found).T
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 def test_the_toy_has_the_derivatives_of_the_kernel() -> None:
     """In phi_S and all parameters; of the kernel they are closed forms."""
     machine = Toy(eps_n1=0.5, eps_n2=0.1, eps_n3=0.2)
@@ -46,8 +45,7 @@ def test_the_toy_has_the_derivatives_of_the_kernel() -> None:
         assert image.jacobian[0, 1 + k] == pytest.approx(exact.d_parameter, rel=1e-8)
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 def test_beyond_a_border_the_word_is_prescribed() -> None:
     """Right of the jump at -0.7577872574 the kernel and the general method go on the same way."""
     map_, exact = map_of(Toy(eps_n1=0.5), "eps_n1"), ToyPieces(Toy(eps_n1=0.5))
@@ -61,8 +59,7 @@ def test_beyond_a_border_the_word_is_prescribed() -> None:
     assert there.jacobian[0, 0] == pytest.approx(known.slope, rel=1e-8)
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 def test_gradients_of_margins() -> None:
     """All of them: slacks of impacts, guards at starts, at events, at dips, and their rates."""
     map_ = map_of(Toy(eps_n1=0.5), "eps_n1", "mu_2")
@@ -169,8 +166,7 @@ FALLS = [0.5, 0.8, 1.0, 0.3]
 IMPACTS, STROBED = ([-0.7, 0.6], {}, "I1", 1e-3), ([-0.4, 1.5], {"F": 6.0}, "I1", 1e-3)
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 @pytest.mark.parametrize(
     ("map_", "x", "values", "word", "h"),
     [
@@ -202,8 +198,7 @@ def test_in_state_and_all_parameters(
     assert off(image, np.array(x), one.p, h) < CLOSE
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 @pytest.mark.parametrize(
     ("map_", "inside", "beyond", "h"),
     [

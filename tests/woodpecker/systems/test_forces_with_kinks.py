@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 import sympy
-from needs import EACH_BACKEND, NEEDS_HEYOKA
+from needs import EACH_BACKEND, NEEDS_HEYOKA, SLOW_SYSTEM
 from scipy.integrate import solve_ivp
 from sympy import Abs, Heaviside, Max, Min, Mod, Piecewise, Rational, real_root, sign, sqrt, tanh
 
@@ -129,8 +129,7 @@ ROOTS = {  # at their zero no Taylor series exists
 }
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 @pytest.mark.parametrize("name", ROOTS)
 def test_roots_are_passed_at_their_zero(name: str) -> None:
     """From rest, which is such a zero, and through some more; derivatives where they are finite."""

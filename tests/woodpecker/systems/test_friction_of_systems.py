@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
-from needs import EACH_BACKEND, NEEDS_HEYOKA
+from needs import EACH_BACKEND, NIGHTLY_SYSTEM
 from scipy.optimize import brentq
 from scipy.special import ellipk
 
@@ -238,8 +238,7 @@ def test_the_ground_keeps_its_case(wrong: float) -> None:
     assert impact.after == pytest.approx(u, abs=10 * ROUNDING)
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 def test_a_closed_contact_does_not_drift() -> None:
     """The jammed sleeve stays where it is to the last bit while the bird swings; then it slides."""
     toy = Toy(eps_n1=0.5)
@@ -490,8 +489,7 @@ def test_a_block_strikes_a_row(count: int) -> None:
 # --- Lengths far from 1 ---------------------------------------------------------------------------
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 @pytest.mark.parametrize(("x_scale", "p_scale"), [((1e-3, 0.3), (20.0,)), (None, None)])
 def test_a_machine_in_si_units_is_followed_past_a_stop_that_ends(
     x_scale: tuple[float, ...] | None, p_scale: tuple[float, ...] | None
@@ -559,8 +557,7 @@ def test_a_slip_that_turns_round_on_the_section_is_no_return(speed: float) -> No
     assert map_.at(np.array([speed]), map_.p).value == pytest.approx([back], abs=1e-12)
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 def test_a_branch_along_which_three_feet_stick_on_the_section() -> None:
     """Up to the push f that the friction stops just there, f + sqrt(f**2 - 9) = 3 (pi - asin(3/f)).
 

@@ -6,7 +6,7 @@ from dataclasses import asdict
 import numpy as np
 import pytest
 import sympy
-from needs import EACH_BACKEND, NEEDS_HEYOKA, NEEDS_NUMBA
+from needs import EACH_BACKEND, NEEDS_HEYOKA, NIGHTLY_SYSTEM, SLOW_TOY
 
 from pwmap import PointKind
 from studies.common.random_toys import random_toy
@@ -63,8 +63,7 @@ def compare(law: str, numbers: range, *, equal: bool = False) -> None:
 
 
 @NEEDS_HEYOKA
-@NEEDS_NUMBA
-@pytest.mark.slow
+@SLOW_TOY
 @pytest.mark.parametrize("law", ["summed", "separate"])
 @pytest.mark.parametrize(
     "numbers", [range(17, 21), pytest.param(range(200), marks=pytest.mark.nightly)]
@@ -94,8 +93,7 @@ def test_the_flip_of_the_inelastic_ball() -> None:
     assert table.limits(0.0)[1] == pytest.approx(np.sqrt(4.0 + np.pi**2), abs=1e-15)
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 def test_continuation_of_the_ball_finds_fold_and_flip() -> None:
     points = {q.kind: q.parameter for q in table.followed(0.8).points}
     for kind, exact in zip((PointKind.LP, PointKind.PD), table.limits(0.8), strict=True):
@@ -121,8 +119,7 @@ def test_amplitudes_of_den_hartog(
     assert den_hartog.amplitude(w, f, backend=backend) == pytest.approx(exact(w, f), abs=1e-9)
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 def test_stops_of_den_hartog_begin_where_the_closed_form_says() -> None:
     """The branch goes on there, with another word, and no special point is made of it."""
     diagram = den_hartog.followed(0.6)

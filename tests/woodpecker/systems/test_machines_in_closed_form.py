@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sympy
-from needs import EACH_BACKEND, NEEDS_HEYOKA
+from needs import EACH_BACKEND, NEEDS_HEYOKA, NIGHTLY_SYSTEM, SLOW_SYSTEM
 from scipy.optimize import brentq, fsolve
 
 from pwmap import PointKind, PointStatus
@@ -58,8 +58,7 @@ def test_folds_and_flips_are_those_of_the_closed_form(backend: str) -> None:
     assert kinds == {"fold", "flip"}
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 @pytest.mark.parametrize(("eps", "w"), [(0.9, 2.6), (0.8, 2.6)])
 def test_the_map_does_not_jump_at_a_grazing(eps: float, w: float) -> None:
     """The limit of the root is known to the root of rounding only: some 1e-7 are no jump."""
@@ -71,8 +70,7 @@ def test_the_map_does_not_jump_at_a_grazing(eps: float, w: float) -> None:
     assert abs(met.parameter - np.hypot(1.0 - w**2, 0.1 * w)) < CLOSE  # amplitude 1: the gap
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 def test_the_curve_of_grazings_over_force_and_frequency() -> None:
     """There the amplitude of the free oscillation is the gap, 1."""
     map_ = strobed("F", "w").holding(eps=0.8, sigma=1.0, zeta=0.05)
@@ -86,8 +84,7 @@ def test_the_curve_of_grazings_over_force_and_frequency() -> None:
     assert curve.p[:, 0] == pytest.approx(exact, abs=CLOSE)
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 def test_a_curve_of_grazings_begins_on_either_side() -> None:
     """A branch that strikes ends there in a root; the amplitude is that of the free motion."""
     map_ = strobed("F", "eps").holding(w=2.8, sigma=1.0, zeta=0.05)
@@ -104,8 +101,7 @@ def grazing() -> tuple[Connected, float]:
     return through_grazing()
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 def test_cycles_that_are_born_at_the_grazing_are_followed(grazing: tuple[Connected, float]) -> None:
     """One without impacts, and of those that strike: of order one on, of order two back.
 
@@ -139,8 +135,7 @@ def test_the_slope_goes_like_the_inverse_root() -> None:
     assert order == pytest.approx(-0.5, abs=0.01)  # the next term is of order 1/2 in distance
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 def test_newton_fails_where_the_germ_does_not() -> None:
     """Starts beside the grazing, each of which the map sends away faster than it converges."""
     assert newton_fails(1e-3) <= 4
@@ -194,8 +189,7 @@ def left_over(unknowns: np.ndarray, force: float) -> list[float]:
     return [*off, *(last - unknowns[:2]).tolist()]
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 def test_the_motion_with_a_grazing_impact_more_leaves_the_grazing() -> None:
     """It begins along the border, where its margin grows with the square of the distance."""
     map_ = rattle(10.4)
@@ -216,8 +210,7 @@ def test_the_motion_with_a_grazing_impact_more_leaves_the_grazing() -> None:
         assert exact[2] < exact[3] < exact[4] < PERIOD
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 def test_two_periods_of_which_one_grazes() -> None:
     """Branches of the doubled period lead from the flip to the grazing, whole and once each."""
     cycle = shoot(rattle(8.0), [-0.13, 2.33])
@@ -235,8 +228,7 @@ def test_two_periods_of_which_one_grazes() -> None:
         )
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 def test_a_motion_that_grazes_both_stops_at_once_says_so() -> None:
     """Without impacts the amplitude F/|1 - w^2 + i c w| reaches both stops where it is 1."""
     stiffness = complex(1.0 - OMEGA**2, C * OMEGA)
@@ -320,8 +312,7 @@ def friction_left(gamma: float) -> float:
     return mu * normal - abs(along)
 
 
-@pytest.mark.nightly
-@NEEDS_HEYOKA
+@NIGHTLY_SYSTEM
 def test_the_study_of_the_wheel(tmp_path: Path) -> None:
     found = rimless_wheel.main(fast=True, out=tmp_path)
     assert max(found["speed"], found["multiplier"]) < 1e-10
@@ -329,8 +320,7 @@ def test_the_study_of_the_wheel(tmp_path: Path) -> None:
     assert found["slips_from"] == pytest.approx(exact, abs=1e-9)
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 def test_beyond_the_slip_each_branch_is_listed_once() -> None:
     """Two branches and the crossing between them, from one end of the span and back to it."""
     map_ = rimless_wheel.map_of("gamma")

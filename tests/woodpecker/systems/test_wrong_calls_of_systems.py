@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import sympy
-from needs import NEEDS_HEYOKA
+from needs import SLOW_SYSTEM
 from sympy.physics.mechanics import KanesMethod, Particle, Point, ReferenceFrame, dynamicsymbols
 
 import woodpecker
@@ -351,8 +351,7 @@ def test_a_mass_over_which_a_map_goes_is_positive() -> None:
         assert source.at(np.zeros(2), -np.ones(1)).reason == sentence
 
 
-@NEEDS_HEYOKA
-@pytest.mark.slow
+@SLOW_SYSTEM
 def test_a_branch_says_which_law_ends_it() -> None:
     """4 (p - 1/2)^2 - 1/10 is negative below p = 1/2 + sqrt(1/40)."""
     p = sympy.Symbol("p")
