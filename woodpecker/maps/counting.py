@@ -11,6 +11,8 @@ from typing import Protocol, runtime_checkable
 
 from woodpecker.maps.pieces import Image, PiecewiseMap
 
+PHASES = 12  # in a return that counts as one evaluation; longer ones count in proportion
+
 
 class Counts(Protocol):
     """An object that counts the evaluations of a map and its pieces in this thread."""
@@ -25,20 +27,25 @@ class Counting(PiecewiseMap, Counts, Protocol):
     """A map that counts its evaluations."""
 
 
-class _Counter(threading.local):
+class Counter(threading.local):
     """The number of evaluations in each thread; copies start at zero."""
 
     evaluations = 0
+
+    def __reduce__(self) -> tuple[type[Counter], tuple[()]]:
+        return Counter, ()
+
+
+def weight(phases: int) -> int:
+    """As how many evaluations a return of so many phases counts."""
+    return phases // PHASES or 1
 
 
 class _Counted:
     """A map that counts its evaluations, but not those of its pieces."""
 
     def __init__(self, map_: PiecewiseMap) -> None:
-        self._map, self._counter = map_, _Counter()
-
-    def __reduce__(self) -> tuple[type[_Counted], tuple[PiecewiseMap]]:
-        return _Counted, (self._map,)
+        self._map, self._counter = map_, Counter()
 
     @property
     def evaluations(self) -> int:
