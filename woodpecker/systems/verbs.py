@@ -56,7 +56,7 @@ class Motion:
     ----------
     t, q, u
         Samples: times (s,) [s], coordinates and velocities (s, n). Times of events occur twice,
-        before and after. Where impacts accumulate samples lie on the line to their end.
+        before and after, as those of accumulating impacts, whose last laps are one straight line.
     events, word
         Its events in order of time, and their symbols.
     status, z, names
