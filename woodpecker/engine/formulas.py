@@ -12,10 +12,10 @@ import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.counting import Counter
 from woodpecker.base.shown import shown
 from woodpecker.base.slopes import derivative
 from woodpecker.engine.maps import SpaceImage, proposed
-from woodpecker.maps.counting import Counter
 
 NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # raised by math where no value is real
 NOWHERE = "no piece of the map holds this point"

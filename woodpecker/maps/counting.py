@@ -6,12 +6,10 @@ checked before each piece of work.
 
 from __future__ import annotations
 
-import threading
 from typing import Protocol, runtime_checkable
 
+from woodpecker.base.counting import Counter
 from woodpecker.maps.pieces import Image, PiecewiseMap
-
-PHASES = 12  # in a return that counts as one evaluation; longer ones count in proportion
 
 
 class Counts(Protocol):
@@ -25,20 +23,6 @@ class Counts(Protocol):
 @runtime_checkable
 class Counting(PiecewiseMap, Counts, Protocol):
     """A map that counts its evaluations."""
-
-
-class Counter(threading.local):
-    """The number of evaluations in each thread; copies start at zero."""
-
-    evaluations = 0
-
-    def __reduce__(self) -> tuple[type[Counter], tuple[()]]:
-        return Counter, ()
-
-
-def weight(phases: int) -> int:
-    """As how many evaluations a return of so many phases counts."""
-    return phases // PHASES or 1
 
 
 class _Counted:

@@ -9,7 +9,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
-from woodpecker.maps.counting import weight
+from woodpecker.base.counting import weight
 from woodpecker.mechanics.modes import CONTACT, EPS, LIMIT, NO_RATES, NORMAL, SECTION
 from woodpecker.mechanics.toy import FAINT, INFINITESIMAL
 from woodpecker.motion.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS

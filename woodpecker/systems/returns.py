@@ -13,10 +13,10 @@ from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, lengths, whole
+from woodpecker.base.counting import weight
 from woodpecker.base.settings import unit
 from woodpecker.base.shown import shown
 from woodpecker.engine.maps import SpaceImage, proposed
-from woodpecker.maps.counting import weight
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 from woodpecker.systems.simulation.motion import (

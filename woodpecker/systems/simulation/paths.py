@@ -14,8 +14,8 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.counting import weight
 from woodpecker.engine.maps import SpaceImage
-from woodpecker.maps.counting import weight
 from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, is_implied, total
 from woodpecker.systems.mechanics.index_sets import GAP, KNOWN, NORMAL, SECTION, SLIP, watched
 from woodpecker.systems.mechanics.modes import Local

@@ -13,8 +13,8 @@ from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import listed
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
+from woodpecker.base.counting import Counter
 from woodpecker.base.shown import shown
-from woodpecker.maps.counting import Counter
 from woodpecker.systems.mechanics.equations import Equations, Terms, compiled
 from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
 from woodpecker.systems.mechanics.index_sets import SECTION, ContactState, Mode
