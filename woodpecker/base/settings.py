@@ -11,6 +11,7 @@ from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import changed
 from woodpecker.base.checks import interval, positive, whole
 
+EVALUATIONS = 500_000  # the longest branches of the toy need 290 000
 SMALLEST_UNIT = 2.0**-8  # of the largest number: ``nearest`` is then some 17 of its spacings
 
 
@@ -83,7 +84,7 @@ class Settings:
     min_step: float = 1e-13
     max_turn: float = 0.1
     max_samples: int = 20_000
-    max_evaluations: int = 500_000  # the longest branches of the toy need 290 000
+    max_evaluations: int = EVALUATIONS
     max_pieces: int = 10_000  # the toy has some hundred
     converged: float = 2.0**-48  # 16 spacings of doubles at 1, what rounding of a map leaves
     beside: float = 1e-6  # far above rounding, far below a step

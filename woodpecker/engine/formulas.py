@@ -12,6 +12,7 @@ import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.counting import Counter
 from woodpecker.base.shown import shown
 from woodpecker.base.slopes import derivative
 from woodpecker.engine.maps import SpaceImage, proposed
@@ -88,13 +89,20 @@ class ExpressionMap:
     """A map of R^d with given pieces; where several hold a point, the first one is taken."""
 
     pieces: tuple[ExpressionPiece, ...]  # at least one, with the same variables and parameters
+    _counter: Counter = field(init=False, repr=False, default_factory=Counter)
 
     def __post_init__(self) -> None:
         if not self.pieces:
             raise ValueError("a map needs at least one piece, got none")
 
+    @property
+    def evaluations(self) -> int:
+        """How often this thread has evaluated the map; those of its pieces are not counted."""
+        return self._counter.evaluations
+
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point under the first piece that holds it."""
+        self._counter.evaluations += 1
         for piece in self.pieces:
             image = piece.at(x, p)
             if not (image.margins < 0.0).any() and not np.isnan(image.margins).any():

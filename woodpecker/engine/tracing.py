@@ -43,7 +43,13 @@ from woodpecker.engine.germs import (
     rotated_to_nearest,
     slow_rate,
 )
-from woodpecker.engine.maps import ACCUMULATE, LIMIT_DISTANCE, SpaceImage, images_of_chain
+from woodpecker.engine.maps import (
+    ACCUMULATE,
+    LIMIT_DISTANCE,
+    SpaceImage,
+    images_of_chain,
+    on_section,
+)
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, with_unknowns
 from woodpecker.engine.rooted import refined_end
@@ -246,6 +252,9 @@ def _at_border(
     image = orbit.images[arc.border[0]]
     if outer.reason == ACCUMULATE and _jumps_to_limit(arc, image):
         return collision
+    across = None if outer.reason else _across_section(begin, arc, outer)
+    if across is not None:
+        return across, cause, True
     if outer.reason:
         beyond = over_accumulation(begin, arc, way, cause)
         if beyond is not None:
@@ -279,6 +288,28 @@ def _at_border(
     if folds or others_start or _changes_stability(arc, there.sample.orbit):
         return replace(collision, note="fold" if folds else "persistence", onward=there)
     return there, cause, smooth
+
+
+def _across_section(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning | None:
+    """The cycles of the same motions beyond a jump where an event falls on a section; or None."""
+    # The event is passed from one return to the next: the point right before it becomes that right
+    # after it. The piece beyond the border maps the motion extended to there into the motion ahead.
+    assert arc.border is not None
+    (i, code), end, curve = arc.border, arc.samples[-1], begin.curve
+    orbit, problem = end.orbit, curve.problem
+    (n, d), p = orbit.x.shape, orbit.p
+    k = (i + 1) % n
+    if not on_section(orbit.images[i], [code]) or problem.same(outer.value, orbit.x[k], SAME):
+        return None
+    way, x, along = curve.motion(end, i), orbit.x.copy(), end.tangent.copy()
+    x[k], ahead = outer.value, outer.jacobian @ way
+    along[k * d : (k + 1) * d] = ahead / problem.x_scale
+    there = curve.map.beside(x[k], p, np.append(ahead, way[d:]))
+    passed = replace(orbit.with_image(i, outer).with_image(k, there), x=x)
+    if there.reason or not problem.same(there.value, x[(k + 1) % n], SAME):
+        return None
+    sample = curve.start(passed, along)
+    return Beginning(begin.order, curve, sample, end) if is_inside(curve, sample) else None
 
 
 def _jumps_to_limit(arc: Arc, image: SpaceImage) -> bool:

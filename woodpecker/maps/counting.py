@@ -6,9 +6,9 @@ checked before each piece of work.
 
 from __future__ import annotations
 
-import threading
 from typing import Protocol, runtime_checkable
 
+from woodpecker.base.counting import Counter
 from woodpecker.maps.pieces import Image, PiecewiseMap
 
 
@@ -25,20 +25,11 @@ class Counting(PiecewiseMap, Counts, Protocol):
     """A map that counts its evaluations."""
 
 
-class _Counter(threading.local):
-    """The number of evaluations in each thread; copies start at zero."""
-
-    evaluations = 0
-
-
 class _Counted:
     """A map that counts its evaluations, but not those of its pieces."""
 
     def __init__(self, map_: PiecewiseMap) -> None:
-        self._map, self._counter = map_, _Counter()
-
-    def __reduce__(self) -> tuple[type[_Counted], tuple[PiecewiseMap]]:
-        return _Counted, (self._map,)
+        self._map, self._counter = map_, Counter()
 
     @property
     def evaluations(self) -> int:

@@ -17,7 +17,7 @@ from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import iterates, real_array, whole
 from woodpecker.base.progress import Report
-from woodpecker.base.settings import Settings
+from woodpecker.base.settings import EVALUATIONS, Settings
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.germs import cycle_through, least_period, meets_border
@@ -58,8 +58,8 @@ def connected(
     map_: SpaceMap, x: npt.ArrayLike, p: npt.ArrayLike, settings: CurveSettings, *,
     orders: Sequence[int] = (1, 2), free: int = 0, x_scale: Sequence[float] | None = None,
     p_scale: Sequence[float] | None = None, names: Sequence[str] = ("p", "x"),
-    max_branches: int = 500, stop: StopRule | None = None, progress: Report | None = None,
-    on_interrupt: Callable[[], None] | None = None,
+    max_branches: int = 500, max_evaluations: int = EVALUATIONS, stop: StopRule | None = None,
+    progress: Report | None = None, on_interrupt: Callable[[], None] | None = None,
 ) -> Connected:  # fmt: skip
     """Follow the branch through a cycle, and all branches that are connected with it.
 
@@ -84,8 +84,8 @@ def connected(
     names
         Names of the parameter and of one or more coordinates: the first is the x of the diagram,
         others become columns of its branches.
-    max_branches
-        Largest number of branches; ``left`` says what was not followed.
+    max_branches, max_evaluations
+        Bounds as in :class:`woodpecker.Settings`; ``left`` says what was not followed.
     stop
         A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``, called with
         a :class:`woodpecker.search.BranchState` at each sample.
@@ -156,7 +156,7 @@ def connected(
     base = SolutionCurve(map_, problem, settings)
     start = least_period(cycle_near(base, points, values), problem)
     settings.check_holds(values[free : free + 1], start.x)
-    followed = Settings(span=settings.spans[0], same=SAME_NODE)
+    followed = Settings(span=settings.spans[0], same=SAME_NODE, max_evaluations=max_evaluations)
     tasks = Tasks(base, followed, stop, parameters=tuple(values.tolist()), orders=tuple(wanted))
     explorer = Explorer(
         tasks, wanted, progress, max_branches=most,

@@ -49,7 +49,7 @@ from woodpecker.slices.slices import Slice
 
 ON_EDGE = 2.0**-44  # scaled: rounding may put a point at an end of the window so far outside
 BOUNDS = (  # what a search counts, and which setting bounds it
-    ("evaluation", "Settings.max_evaluations"),
+    ("evaluation", "max_evaluations"),
     ("branch", "max_branches"),
     ("sample", "20 times max_samples"),
 )

@@ -9,6 +9,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
+from woodpecker.base.counting import weight
 from woodpecker.mechanics.modes import CONTACT, EPS, LIMIT, NO_RATES, NORMAL, SECTION
 from woodpecker.mechanics.toy import FAINT, INFINITESIMAL
 from woodpecker.motion.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
@@ -17,7 +18,6 @@ from woodpecker.simulation.calls import EVENT_LIMIT
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word_of
 
-PHASES = 12  # in a return that counts as one evaluation; longer ones count in proportion
 DERIVATIVES = slice(margins.PER_START, margins.PER_PARAMETER + 1)  # rows of the notes
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
@@ -148,7 +148,7 @@ class Follower:
         )  # fmt: skip
         self.restore(INFINITESIMAL)
         symbols, phases, _ = counts.tolist()
-        self.evaluations += phases // PHASES or 1
+        self.evaluations += weight(phases)
         text = word_of(self._words[0, :symbols].tobytes())
         path = _shortened(Path(text, self._steps[:phases].copy(), self._times[:phases].copy()))
         return status(code), path, float(z[2]) if code == RETURNED else math.nan
@@ -161,7 +161,7 @@ class Follower:
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> PathReturn | None:
         """The return from phi_S [rad] along a path, or None; ``times`` are those of a neighbour."""
         phases = len(path.steps)
-        self.evaluations += phases // PHASES or 1
+        self.evaluations += weight(phases)
         times = (path.times if times is None else times).copy()
         if self._notes.shape[1] < margins.MOST * phases:
             self._notes = np.zeros((margins.NOTES, margins.MOST * phases))

@@ -83,6 +83,11 @@ class LineOfSystem:
         """The map that it wraps."""
         return f"LineOfSystem({self.map!r})"
 
+    @property
+    def evaluations(self) -> int:
+        """The number of returns that this thread has computed, by search or along a path."""
+        return self.map.evaluations
+
     def at(self, x: float, p: float) -> Image:
         """The image of a point under the piece that the map takes there.
 

@@ -13,6 +13,7 @@ from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, lengths, whole
+from woodpecker.base.counting import weight
 from woodpecker.base.settings import unit
 from woodpecker.base.shown import shown
 from woodpecker.engine.maps import SpaceImage, proposed
@@ -128,6 +129,11 @@ class SystemMap:
         """(k,) the system's own values of the free parameters."""
         return np.asarray(self.embedding.own[self.eq.places])
 
+    @property
+    def evaluations(self) -> int:
+        """The number of returns that this thread has computed, by search or along a path."""
+        return self.embedding.counter.evaluations
+
     def check_laws(self, p: Floats) -> None:
         """ValueError if masses, friction or restitution are out of range at parameters (k,)."""
         values = self.embedding.values(p).tolist()
@@ -150,7 +156,9 @@ class SystemMap:
             run.z, touch, striking = self.embedding.begin(z, values)
         except StoppedError as stop:
             return run.stop(stop)
-        return run.follow(touch, striking)
+        run.follow(touch, striking)
+        self.embedding.counter.evaluations += weight(len(run.events))
+        return run
 
     def duration(self, x: Floats, p: Floats) -> float:
         """The time [s] of the return from a point (d,) of the section."""

@@ -19,6 +19,7 @@ from pwmap.diagrams.shown import brief, counted, listed
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
 from woodpecker.base.progress import Report
+from woodpecker.base.settings import EVALUATIONS
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, chained
@@ -55,7 +56,7 @@ class Motion:
     ----------
     t, q, u
         Samples: times (s,) [s], coordinates and velocities (s, n). Times of events occur twice,
-        before and after. Where impacts accumulate samples lie on the line to their end.
+        before and after, as those of accumulating impacts, whose last laps are one straight line.
     events, word
         Its events in order of time, and their symbols.
     status, z, names
@@ -475,8 +476,8 @@ def continuation(
     map_: SystemMap, cycle: SystemCycle, span: tuple[float, float],
     window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.005,
     min_step: float = 1e-9, max_step: float = 0.02, max_branches: int = 500,
-    stop: StopRule | None = None, progress: Report | None = None,
-    on_interrupt: Callable[[], None] | None = None,
+    max_evaluations: int = EVALUATIONS, stop: StopRule | None = None,
+    progress: Report | None = None, on_interrupt: Callable[[], None] | None = None,
 ) -> Connected:  # fmt: skip
     """Follow a cycle over the first free parameter, and all branches connected with it.
 
@@ -493,7 +494,7 @@ def continuation(
     step, min_step, max_step
         First, shortest and longest step, as fractions of the lengths of span and window, or in
         units of the scales that the map was given.
-    orders, max_branches, stop, progress, on_interrupt
+    orders, max_branches, max_evaluations, stop, progress, on_interrupt
         As for :func:`woodpecker.search.connected.connected`.
 
     Returns
@@ -524,5 +525,6 @@ def continuation(
     return connected(
         map_, cycle.x, cycle.p, settings, orders=wanted, x_scale=map_.x_scale,
         p_scale=map_.p_scale, names=(map_.parameters[0], *map(str, map_.section.free)),
-        max_branches=max_branches, stop=stop, progress=progress, on_interrupt=on_interrupt,
+        max_branches=max_branches, max_evaluations=max_evaluations, stop=stop, progress=progress,
+        on_interrupt=on_interrupt,
     )  # fmt: skip

@@ -66,6 +66,12 @@ def test_nothing_is_left_where_there_are_as_many_branches_as_allowed() -> None:
     assert (len(found.diagram.branches), found.left) == (1, "")
 
 
+def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
+    settings, few = CurveSettings(spans=((0.2, 0.3),), window=WINDOW), 30
+    found = connected(HENON, [0.8, 0.2], [0.25, 0.3], settings, orders=(1,), max_evaluations=few)
+    assert {point.note for point in found.diagram.points} == {"as many evaluations as allowed"}
+
+
 def test_flips_of_long_cycles_are_no_rounding() -> None:
     """By Newton's method in forty digits: their derivatives are small, their factors are not."""
     settings = CurveSettings(spans=((0.3, 1.0578),), window=WINDOW)
@@ -238,6 +244,7 @@ ARGUMENTS: list[tuple[dict[str, Any], str]] = [
     ({"names": ("a",)}, r"names must be 2 to 3 names, .* got \('a',\)"),
     ({"names": "ax"}, "names must be 2 to 3 names, .* got 'ax'"),
     ({"max_branches": 0}, "max_branches must be a whole number of at least 1, got 0"),
+    ({"max_evaluations": 0}, "max_evaluations must be a whole number of at least 1, got 0"),
     ({"x": "here"}, "x must be real numbers, got 'here'"),
     ({"x": [[[0.6, 0.2]]]}, r"x must have shape \(n, d\) and p \(k,\), got \(1, 1, 2\) and \(2,\)"),
     ({"p": [0.1]}, "the map has 2 coordinates and 2 parameters, got points of 2 and 1 values"),

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 import sympy
-from needs import EACH_BACKEND
+from needs import EACH_BACKEND, NEEDS_HEYOKA
 from scipy.optimize import brentq
 
-from pwmap.diagrams.diagram import BranchKind, PointKind
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
@@ -198,26 +198,65 @@ def test_a_slip_that_ends_with_the_gap_is_no_border(length: float) -> None:
     assert not any("stops sliding in the compression" in cause for cause in causes)
 
 
-@pytest.mark.slow
-def test_no_jump_is_followed_where_an_impact_falls_on_the_section() -> None:
-    """A ball on a table at a sin(2 pi t + pi/4), once in a second under the gravity 12 pi.
+# --- An impact that crosses the phase of the section ----------------------------------------------
 
-    With the restitution 1/2 it strikes where the table rises with 2 pi a cos(2 pi t + pi/4) = 2 pi,
-    which is at t = 0, on the section, for a = sqrt 2. What jumps there is the state of one motion.
+
+def on_table(a: float, phase: float) -> tuple[SystemMap, list[float]]:
+    """A ball on a table at a sin(2 pi t + pi/4), seen once a second; its bounce in closed form.
+
+    Under the gravity 12 pi, with the restitution 1/2, it strikes in every second where the table
+    rises with 2 pi a cos(2 pi t + pi/4) = 2 pi: at t = 0 for a = sqrt 2.
     """
-    a, g = sympy.Symbol("a"), 12.0 * math.pi
-    table = Contact(
-        name="table", gap=X - a * sympy.sin(2 * sympy.pi * T + sympy.pi / 4), eps_n=sympy.S.Half
+    amplitude, g = sympy.Symbol("a"), 12.0 * math.pi
+    at = amplitude * sympy.sin(2 * sympy.pi * T + sympy.pi / 4)
+    table = Contact(name="table", gap=X - at, eps_n=sympy.S.Half)
+    ball = ContactSystem([X], [[1]], [-12 * sympy.pi], [table], {amplitude: a}, u=[V])
+    section = Section(when=sympy.sin(2 * sympy.pi * (T - phase)), free=[X, V], at={T: phase})
+    flown = (phase - (math.acos(1.0 / a) / (2.0 * math.pi) - 0.125)) % 1.0  # since the last impact
+    height = math.sqrt(a**2 - 1.0) + g / 2.0 * flown - g * flown**2 / 2.0
+    return SystemMap(ball, section, [amplitude]), [height, g / 2.0 - g * flown]
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+@pytest.mark.parametrize("start", [1.38, 1.45])
+def test_a_branch_goes_on_where_an_impact_falls_on_the_section(start: float) -> None:
+    """From either side; its multipliers have the product 1/4 and a sum without regard to sections.
+
+    Linearised, times and speeds of impacts have (1 + e)^2 h''/g + 1 + e^2 as the sum, where the
+    acceleration of the table is h'' = -4 pi^2 sqrt(a^2 - 1).
+    """
+    map_, bounce = on_table(start, 0.0)
+    found = continuation(
+        map_, shoot(map_, bounce), (1.36, 1.47), [(0, 3), (-30, 30)], orders=(1,), step=0.05,
+        max_step=0.2,
+    )  # fmt: skip
+    points = sorted(found.diagram.points, key=lambda point: point.parameter)
+    assert [point.kind for point in points] == [PointKind.EP, PointKind.PD, PointKind.EP]
+    assert len(found.diagram.branches) == 2  # on both sides of the flip
+    for branch in found.diagram.branches:
+        for k, value in enumerate(branch.parameter.tolist()):
+            total = 1.25 - 0.75 * math.pi * math.sqrt(value**2 - 1.0)
+            largest = max(np.roots([1.0, -total, 0.25]), key=abs)
+            size = largest.real if largest.imag == 0.0 else abs(largest)
+            assert branch.multiplier[k] == pytest.approx(size, abs=1e-6)  # a root at the flip
+            if abs(value - math.sqrt(2.0)) > 1e-9:
+                state = branch.x[k], branch.columns[str(V)][k]
+                assert state == pytest.approx(on_table(value, 0.0)[1], abs=1e-9)
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_a_diagram_of_two_iterates_does_not_depend_on_the_phase_of_its_section() -> None:
+    """One of the two impacts of its double cycles crosses the phase 0, and none the other."""
+    crossed, other = (
+        continuation(
+            map_, shoot(map_, bounce), (1.4, 1.6), [(0, 8), (-40, 40)], step=0.05, max_step=0.3
+        ).diagram
+        for map_, bounce in (on_table(1.45, 0.0), on_table(1.45, 0.6))
     )
-    ball = ContactSystem([X], [[1]], [-12 * sympy.pi], [table], {a: 1.45}, u=[V])
-    map_ = SystemMap(ball, Section(when=sympy.sin(2 * sympy.pi * T), free=[X, V], at={T: 0}), [a])
-    flown = 1.0 - (math.acos(1 / 1.45) - math.pi / 4) / (2.0 * math.pi)  # since the last impact
-    height = math.sqrt(1.45**2 - 1.0) + g / 2.0 * flown - g * flown**2 / 2.0
-    diagram = continuation(
-        map_, shoot(map_, [height, g / 2.0 - g * flown]), (1.4, 1.5), [(0, 3), (-30, 30)],
-        orders=(1,), step=0.2, max_step=0.5, stop=lambda state: state.kind is BranchKind.JUMP,
-    ).diagram  # fmt: skip
-    (struck,) = [point for point in diagram.points if point.kind is PointKind.BC]
-    assert struck.parameter == pytest.approx(math.sqrt(2.0), abs=1e-11)
-    assert struck.cause.endswith("an event falls on the section; choose a section away from it")
-    assert {branch.kind for branch in diagram.branches} == {BranchKind.FIXED_POINT}
+    assert any(len(branch.words) > 1 for branch in crossed.branches)
+    places = [[(p.kind, p.parameter) for p in each.points] for each in (crossed, other)]
+    assert [kind for kind, _ in places[0]] == [kind for kind, _ in places[1]]
+    assert [at for _, at in places[0]] == pytest.approx([at for _, at in places[1]], abs=1e-9)
+    assert len(crossed.branches) == len(other.branches)

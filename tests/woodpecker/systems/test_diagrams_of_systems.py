@@ -1,5 +1,6 @@
 """Verbs that show all of a return map: diagrams, curves in two parameters, attractors, basins."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -9,10 +10,12 @@ import sympy
 from needs import NEEDS_HEYOKA
 
 from pwmap import PointKind
+from pwmap.diagrams.diagram import PointStatus
 from studies.systems import rimless_wheel, table
 from studies.systems.oscillator import ClosedForm, impacts
-from woodpecker import Search
+from woodpecker import Search, Settings
 from woodpecker.base.progress import Stage
+from woodpecker.engine.curves import Stop
 from woodpecker.examples import bouncing_ball
 from woodpecker.plot.orbits import plot_orbits
 from woodpecker.systems import (
@@ -28,6 +31,8 @@ from woodpecker.systems import (
     shoot,
     simulate,
 )
+from woodpecker.systems.simulation.motion import Run
+from woodpecker.systems.simulation.paths import SystemPiece
 
 pytestmark = NEEDS_HEYOKA
 
@@ -65,6 +70,30 @@ def test_the_verbs_tell_their_progress() -> None:
     few, span, window = Search(slices=2), (0.09, 0.11), (0.35, 0.5)
     bifurcation_diagram(map_, span, (1,), window, search=few, progress=told.append)
     assert told[-1].branches == 1
+
+
+@pytest.mark.slow
+def test_returns_are_counted_and_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By search and along a path alike, of the wheel from step to step; a branch may take 3/5."""
+    made, map_ = list[object](), rimless_wheel.map_of("gamma")
+
+    def noting(own: Callable[..., object]) -> Callable[..., object]:
+        return lambda *given: (made.append(own), own(*given))[1]
+
+    monkeypatch.setattr(Run, "follow", noting(Run.follow))
+    monkeypatch.setattr(SystemPiece, "at", noting(SystemPiece.at))
+    cycle, window, span = shoot(map_, [0.4]), [(0.0, 2.0)], (0.09, 0.11)
+    assert map_.evaluations == len(made) > 0
+    whole, spent = continuation(map_, cycle, span, window, orders=(1,)), map_.evaluations
+    assert whole.diagram.about.get("left") is None
+    found = continuation(map_, cycle, span, window, orders=(1,), max_evaluations=100)
+    assert 120 <= map_.evaluations - spent < 160  # each way, and one step more
+    assert map_.evaluations == len(made)
+    notes = {(point.note, point.status) for point in found.diagram.points}
+    assert notes == {(Stop.SPENT.value, PointStatus.OPEN)}
+    few = Settings(max_evaluations=100)
+    lost = bifurcation_diagram(map_, span, (1,), (0.35, 0.5), settings=few)
+    assert lost.about["left"].startswith("given up after 100 evaluations, as many as allowed")
 
 
 @pytest.mark.slow

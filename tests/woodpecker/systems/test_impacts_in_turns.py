@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
-from needs import EACH_BACKEND
+from needs import EACH_BACKEND, NEEDS_HEYOKA
 from scipy.optimize import fsolve
 
 from woodpecker.base.arrays import Floats
@@ -288,3 +288,29 @@ def test_a_ball_at_rest_on_a_table_moves_as_it_does(height: float) -> None:
     assert image.jacobian == pytest.approx(np.array([[0, 0, 0], [0, 0, 2]]), abs=1e-7)
     cycle = shoot(map_, [height, 0.2])
     assert np.abs(cycle.multipliers).max() < 1e-7
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(3))
+def test_samples_of_a_tumbling_block_pass_no_contact_and_gain_no_energy(number: int) -> None:
+    """Without friction it comes to rest on two corners, on which it bounces in turns as it turns.
+
+    Flights are integrated to 1e-15, and gaps followed to 1e-12 while impacts accumulate.
+    """
+    x, y, phi = sympy.symbols("x y phi")
+    sin, cos, half, high = sympy.sin(phi), sympy.cos(phi), 0.5, 0.3
+    corners = [
+        Contact(name=f"corner {a} {b}", gap=y + a * half * sin + b * high * cos, eps_n=0.7)
+        for a in (-1, 1) for b in (-1, 1)
+    ]  # fmt: skip
+    mass = sympy.diag(1, 1, (half**2 + high**2) / 3)
+    block = ContactSystem([x, y, phi], mass, [0, -10, 0], corners, {}, law="newton")
+    rng = np.random.default_rng([4, number])
+    start = {"x": 0.0, "y": rng.uniform(1.0, 2.0), "phi": rng.uniform(-0.7, 0.7), "u_phi": 1.0}
+    motion = simulate(block, start, 6.0, samples=4001)
+    assert (motion.status, motion.word.split()[-1][0]) == (MotionStatus.TIME_REACHED, "C")
+    gaps = sympy.lambdify([x, y, phi], [corner.gap for corner in corners])
+    assert np.array(gaps(*motion.q.T)).min() > -1e-12
+    energy = 0.5 * motion.u**2 @ np.diag(np.array(mass, dtype=float)) + 10.0 * motion.q[:, 1]
+    assert np.diff(energy).max() < 1e-11

@@ -28,6 +28,7 @@ from woodpecker.systems.mechanics.index_sets import GAP, OPEN, SLIDE_UP, SLIP, C
 from woodpecker.systems.mechanics.modes import Local
 from woodpecker.systems.mechanics.settling import project_to_rest, settle
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
+from woodpecker.systems.simulation.flows import Step, along
 
 SHORT = 2.0**-17  # of the time scale of a motion: what a gap's cubic leaves out is below rounding
 VANISHED = 2.0**-52  # relative: smaller speeds count as zero
@@ -79,13 +80,16 @@ class Accumulation:
         The state (N,) that is reached, its derivatives (N, columns), and what touches.
     is_open
         Whether impulses of an impact were not unique.
+    flights
+        Steps for samples, with their starts; copies share them.
     """
 
     def __init__(
         self, eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact
     ) -> None:
         self._eq, self._p, self.z, self.tangents, self.is_open = eq, p, z, tangents, False
-        self.touch = touch = after(eq, z, p, impact)
+        self.touch, self.flights = after(eq, z, p, impact), list[tuple[float, Step]]()
+        touch = self.touch
         self._before = touch.closed
         terms = eq.terms(z, p)
         self._gap, self._rate = terms.gap.copy(), terms.gap_rate.copy()
@@ -199,6 +203,8 @@ class Accumulation:
         eq, jacobian = self._eq, here.jacobian
         bends = jacobian[:, : eq.size] @ here.flow
         twists = jacobian[:, : eq.size] @ bends
+        flight = along(t, self.z, here.flow, bends / 2.0, twists / 6.0)
+        self.flights.append((float(self.z[-1]), flight))
         self.z = self.z + t * (here.flow + t * (bends / 2.0 + t * twists / 6.0))
         self.span += t
         self._flight = self._flight or t
@@ -336,6 +342,9 @@ class Accumulation:
             )
         self.z = new.z + away * rest
         self.z[:n] = moved(new.z[:n], old.z[:n], self.z[n : 2 * n])
+        if span * rest > 0.0:  # the ratio is constant only where the motion hardly turns
+            line = along(span * rest, new.z, (self.z - new.z) / (span * rest))
+            self.flights.append((float(new.z[-1]), line))
         self._gap, self._rate, self.span = gap, rate, span * rest
         while len(self._marks) > lap and self._marks[-1]._what == self._marks[-1 - lap]._what:
             self.span += self._marks.pop().span

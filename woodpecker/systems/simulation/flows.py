@@ -49,13 +49,13 @@ class Step(NamedTuple):
     exact: Callable[[float], tuple[Floats, Floats]]
 
 
-def straight(z: Floats, end: Floats) -> Step:
-    """A step for samples, along the line from a state (N,) to another one, later."""
+def along(length: float, *series: Floats) -> Step:
+    """A step for samples, along a power series in time whose coefficients are (N,) each."""
 
     def states(times: Floats) -> Floats:
-        return z + np.outer(times / (end[-1] - z[-1]), end - z)
+        return np.vander(times, len(series), increasing=True) @ np.array(series)
 
-    return Step(end[-1] - z[-1], _NONE, states, lambda t: (states(np.array([t]))[0], _NONE))
+    return Step(length, _NONE, states, lambda t: (states(np.array([t]))[0], _NONE))
 
 
 Flow = Callable[[Floats, Floats, float], Iterator[Step]]

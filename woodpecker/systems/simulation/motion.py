@@ -49,7 +49,7 @@ from woodpecker.systems.simulation.accumulation import (
     after,
     implied,
 )
-from woodpecker.systems.simulation.flows import Step, dop853, straight
+from woodpecker.systems.simulation.flows import Step, dop853
 from woodpecker.systems.simulation.guards import beginning, first_of
 from woodpecker.systems.simulation.sections import Embedding, Section
 
@@ -393,8 +393,8 @@ class Run:
         tail = accumulated_by(eq, self.z, self.p, none, impact, self._longest, section)
         if tail is None or tail.z[-1] > self.t_end or self._is_disturbed(tail, touch):
             return impact, touch
-        if self.keeps and tail.z[-1] > self.z[-1]:
-            self.steps.append((float(self.z[-1]), straight(self.z, tail.z)))
+        if self.keeps:
+            self.steps += [each for each in tail.flights if each[0] < tail.z[-1]]
         self.z = tail.z
         self._open |= tail.is_open
         self._closes = tail.group

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.counting import weight
 from woodpecker.engine.maps import SpaceImage
 from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, is_implied, total
 from woodpecker.systems.mechanics.index_sets import GAP, KNOWN, NORMAL, SECTION, SLIP, watched
@@ -81,14 +82,17 @@ class SystemPiece:
         """The return along this path, also where the system takes another one."""
         reason = self.embedding.obstacle(x, p) if self.legs else self.word
         if not reason:
+            following = Following(self, p)
             try:
-                found = Following(self, p).follow(np.asarray(x, dtype=float))
+                found = following.follow(np.asarray(x, dtype=float))
                 if np.isfinite(found.jacobian).all():
                     return found
             except StoppedError as stop:
                 reason = str(stop)
             except np.linalg.LinAlgError:
                 pass
+            finally:
+                self.embedding.counter.evaluations += weight(len(following.marks))
         d, columns = self.embedding.d, self.embedding.d + len(p)
         return SpaceImage(
             np.full(d, np.nan), np.full((d, columns), np.nan), np.zeros(0), np.zeros((0, columns)),
@@ -114,7 +118,7 @@ class Following:
         self._fired = 0  # the contact of the guard that ended the last phase
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
         self._slow: tuple[float, Floats] | None = None  # rate of the gap at its end, if it is slow
-        self._marks = list[tuple[Floats, Floats]]()  # states and tangents where phases begin
+        self.marks = list[tuple[Floats, Floats]]()  # states and tangents where phases begin
 
     def follow(self, x: Floats) -> SpaceImage:
         """The return; StoppedError if the path does not reach so far."""
@@ -133,7 +137,7 @@ class Following:
         while k < len(self.path.legs):
             self._k, self._leg = k, self.path.legs[k]
             begun = begun or self._begin()
-            self._marks.append((self._z, self._tangents))
+            self.marks.append((self._z, self._tangents))
             if not begun:  # one more lap of impacts, the first of which has been carried out
                 k, laps, begun = k - self._leg.lap, laps + 1, True
                 if laps > BOUNCES_MOST:
@@ -212,7 +216,7 @@ class Following:
         if leg.lap:
             i = self._fired
             speed = self._gap_rate(i, self._z, self._tangents)
-            ratio, change = _series_quotient(*speed, *self._gap_rate(i, *self._marks[-leg.lap]))
+            ratio, change = _series_quotient(*speed, *self._gap_rate(i, *self.marks[-leg.lap]))
             self._note(BOUNCES, i, 1.0 - ratio, -change)
         self._z, self._tangents = tail.z, tail.tangents
         return True

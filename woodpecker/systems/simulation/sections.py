@@ -13,6 +13,7 @@ from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import listed
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
+from woodpecker.base.counting import Counter
 from woodpecker.base.shown import shown
 from woodpecker.systems.mechanics.equations import Equations, Terms, compiled
 from woodpecker.systems.mechanics.expressions import check_known, smooth, vanishes
@@ -173,6 +174,7 @@ class Embedding:
 
     def __init__(self, eq: Equations, section: Section) -> None:
         self.eq, self.section, self.own = eq, section, eq.p
+        self.counter = Counter()  # of returns, by search or along a path
         system = eq.system
         self.names = [each.name for each in system.contacts]
         self.d = len(section.free)
