@@ -63,7 +63,7 @@ class Orbit(NamedTuple):
 
 
 class ClosedForm(NamedTuple):
-    """Orbits with one impact in a period, for given w, eps, sigma, zeta; any F.
+    """Orbits with one impact in n periods, for given w, eps, sigma, zeta; any F.
 
     The free motion y between impacts has y(0) = y(T) = c, so its speeds there are k_0 c and k_1 c;
     with the speed v after the impact, c = alpha v, and the forced motion has x_p(0) = sigma -
@@ -74,11 +74,12 @@ class ClosedForm(NamedTuple):
     eps: float
     sigma: float
     zeta: float
+    n: int = 1
 
     @property
     def flow(self) -> Floats:
-        """(2, 2) of the free motion over a period."""
-        z, period = self.zeta, 2.0 * math.pi / self.w
+        """(2, 2) of the free motion over n periods."""
+        z, period = self.zeta, 2.0 * math.pi * self.n / self.w
         d = math.sqrt(1.0 - z * z)
         c, s, e = math.cos(d * period), math.sin(d * period), math.exp(-z * period)
         return e * np.array([[c + z * s / d, s / d], [-s / d, c - z * s / d]])

@@ -1,6 +1,7 @@
 """Machines with motions in closed form: points, multipliers, folds, flips and grazings."""
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,12 +17,17 @@ from studies.systems.oscillator import (
     BASE,
     SIGMA,
     ClosedForm,
+    T,
+    V,
+    W,
+    X,
     difference,
     impacts,
     newton_fails,
     random_oscillator,
     special_orbits,
     strobed,
+    system,
     through_grazing,
 )
 from studies.systems.rimless_wheel import ALPHA, MU, VALUES, J, walking
@@ -36,6 +42,7 @@ from woodpecker.systems import (
     curve_in_two,
     return_map,
     shoot,
+    simulate,
 )
 
 # Orbits are conditioned to some 1e3, and so are slopes at slow impacts; multipliers of half motions
@@ -133,6 +140,36 @@ def test_the_slope_goes_like_the_inverse_root() -> None:
     ]
     order = np.polyfit(np.log(distances), np.log(slopes), 1)[0]
     assert order == pytest.approx(-0.5, abs=0.01)  # the next term is of order 1/2 in distance
+
+
+@EACH_BACKEND
+def test_rounding_of_the_gap_does_not_change_the_path(backend: str) -> None:
+    """A start that leaves the stop, but for rounding, is that of the return right beside it."""
+    map_, gap = strobed("F", backend=backend), BASE[SIGMA]
+    images = [map_.at(np.array([gap + k * np.spacing(gap), -0.7]), map_.p) for k in range(-2, 3)]
+    assert {image.piece.word for image in images} == {""}
+    assert len({image.piece.key for image in images}) == 1
+    assert np.ptp([image.value for image in images], axis=0) == pytest.approx(0.0, abs=1e-13)
+
+
+@NEEDS_HEYOKA
+def test_a_section_in_the_instant_of_an_impact_is_not_passed_over() -> None:
+    """The impact comes once in two periods, at a phase in closed form: the section has it, too."""
+    values = {"w": 3.9, "eps": 0.5, "sigma": 0.1, "zeta": 0.1}
+    exact, theta = ClosedForm(**values, n=2), sympy.Symbol("theta")
+    orbit, period = exact.orbit(min(exact.speeds(2.0))), 2.0 * np.pi / exact.w
+    section = Section(when=sympy.sin(W * T - theta), free=[X, V], at={T: theta / W})
+    of = replace(system(), parameters={**BASE, theta: 0.0}).replace(F=2.0, **values)
+    start = {"x": exact.sigma, "u_x": orbit.v, "t": orbit.t}
+    point = simulate(of, start, orbit.t + period).z[:2]
+    map_, phase = SystemMap(of, section, ["theta"]), exact.w * orbit.t
+    for k in range(-4, 5):
+        p = np.array([phase + k * np.spacing(phase)])
+        for i in range(-8, 9):  # rounding parts both events in every way
+            beside = point + np.array([0.0, i * np.spacing(point[1])])
+            assert map_.duration(beside, p) == pytest.approx(period, abs=CLOSE)
+        speed = map_.at(point, p).value[1]  # before or after the impact, as rounding has it
+        assert min(abs(speed - orbit.v), abs(speed + orbit.v / exact.eps)) < CLOSE
 
 
 @NIGHTLY_SYSTEM

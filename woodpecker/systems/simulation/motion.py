@@ -232,12 +232,28 @@ class Run:
         self._longest = max(self._longest, t)
         self.z = z
         self._check_gaps(mode)
+        if guard != TIME and t > 0.0 and self._is_reached(mode):
+            return SECTION * self.eq.m
         if guard == TIME:
             self.legs.append(PathPhase(None, (), 0, touch, mode, TIME))
             if self.embedding is None:
                 raise StoppedError(MotionStatus.TIME_REACHED)
             raise StoppedError(MotionStatus.HORIZON, self.embedding.section.missed)
         return guard
+
+    def _is_reached(self, mode: Mode) -> bool:
+        """Whether the section was reached in the instant in which another guard has fired."""
+        # By rounding it lies behind that event, or at the start of the next phase: it would be
+        # passed over.
+        if self.embedding is None or not self.eq.sets(mode).counts:
+            return False
+        here, now = Local(self.eq, mode, self.z, self.p), float(self.z[-1])
+        value, rate = here.jet(SECTION * self.eq.m, 1)
+        return (
+            rate * self._near() <= value <= -rate * LATE * math.ulp(now)
+            and rate < 0.0
+            and not self.embedding.is_on(here, now - self._start)
+        )
 
     def _check_gaps(self, mode: Mode) -> None:
         """Stop where an open contact is penetrated by more than rounding explains."""

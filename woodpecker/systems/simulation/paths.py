@@ -38,7 +38,7 @@ from woodpecker.systems.simulation.causes import (
 )
 from woodpecker.systems.simulation.flows import KeptSteps, Step
 from woodpecker.systems.simulation.guards import GuardStart, beginning, extremes, first_of
-from woodpecker.systems.simulation.motion import PathPhase
+from woodpecker.systems.simulation.motion import LATE, PathPhase
 from woodpecker.systems.simulation.sections import Embedding
 
 TOO_FAR = "the path does not reach so far"  # a guard of the path has no root
@@ -341,7 +341,9 @@ class Following:
                 return math.nan
             if abs(step) <= SETTLED * max(abs(t), abs(near)) or step == 0.0:
                 return t if rate < 0.0 else math.nan
-        return t if abs(step) <= 1e-9 * abs(t) and rate < 0.0 else math.nan
+        # a phase between two events in one instant is as short as rounding of time
+        near_enough = max(1e-9 * abs(t), LATE * math.ulp(float(steps.start[0][-1])))
+        return t if abs(step) <= near_enough and rate < 0.0 else math.nan
 
     def _first_root(self, near: float | None) -> float:
         """The first root of the guard that fires; StoppedError if there is none soon."""

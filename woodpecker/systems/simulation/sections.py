@@ -247,9 +247,10 @@ class Embedding:
         """
         terms, known = self.eq.terms(z, p), self.touch
         slow = np.abs(terms.gap_rate) <= ROUNDING
-        clear = (terms.gap > np.where(slow, ROUNDING * _size(terms, z), 0.0)) | (
-            (terms.gap == 0.0) & (terms.gap_rate < 0.0) & ~slow
-        )
+        # a gap that opens here, and is negative by rounding, has the path of those beside it
+        near = ROUNDING * _size(terms, z)
+        least = np.where(slow, near, np.where(terms.gap_rate > 0.0, -near, 0.0))
+        clear = (terms.gap > least) | ((terms.gap == 0.0) & ~slow)
         clear[list(known.leaving)] = terms.gap_rate[list(known.leaving)] > 0.0
         slides = ~np.array(self.eq.friction) | (np.abs(terms.slip[: self.eq.m]) > ROUNDING)
         clear[list(known.closed)] = slides[list(known.closed)]
