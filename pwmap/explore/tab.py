@@ -291,12 +291,11 @@ class Tab(ABC, Generic[S]):
     def _back(self, name: str) -> None:
         self.show(self.state.at({name: self.first.place[name]}))
 
-    def read(self, name: str, wish: Mapping[str, Any], called: str = "") -> Any:
-        """The value of a field that a wish gives."""
+    def _read(self, name: str, wish: Mapping[str, Any], called: str = "") -> Any:
         return self.state.read(name, as_text(wish["value"]), called)
 
     def _set(self, name: str, wish: Mapping[str, Any]) -> None:
-        self.change(**{name: self.read(name, wish)})
+        self.change(**{name: self._read(name, wish)})
 
     def _undo(self) -> None:
         if self.past:

@@ -46,6 +46,10 @@ def test_no_control_is_cut(page: str, width: int, serving: Serving, chromium: An
     seen = Seen(chromium, serving(page).address, size=(width, 800))
     assert seen(CUT) == []
     assert seen("document.documentElement.scrollWidth") <= width
+    seen.page.click(".menu > summary")
+    listed = seen.page.locator(".menu .list").bounding_box()
+    assert 0 <= listed["x"] <= width - listed["width"]
+    seen.page.keyboard.press("Escape")
     seen.page.click("#view-map .enlarge")
     seen.rest()
     assert seen.page.locator("#plot-map").bounding_box()["height"] > 400

@@ -131,10 +131,10 @@ class SystemTab(Tab[SystemState]):
         return super().demands() | own
 
     def _start(self, wish: Mapping[str, Any]) -> None:
-        self.change(x=self.read("x", wish, "start"), periodic=False)
+        self.change(x=self._read("x", wish, "start"), periodic=False)
 
     def _coordinate(self, wish: Mapping[str, Any]) -> None:
-        self.state = replace(self.state, coordinate=self.read("coordinate", wish))
+        self.state = replace(self.state, coordinate=self._read("coordinate", wish))
         if self._now is not None:
             self._draw_motion(self._now)
 
