@@ -18,6 +18,11 @@ import pytest
 
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 PICTURES = Path(os.environ.get("EXPLORER_PICTURES", "build/explorer"))
+# Parts of a page that show less than they hold; a long word scrolls.
+CUT = """[...document.querySelectorAll(
+    ".bar, header, .field, .control, aside, .view:not(#view-word), #tour")]
+  .filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth + 1)
+  .map((each) => `${each.tagName} ${each.id} ${each.className}`)"""
 READY = 120_000  # ms: with a kernel that has to be compiled first
 
 

@@ -274,7 +274,7 @@ class Tab(ABC, Generic[S]):
     def demands(self) -> dict[str, Demand]:
         """The functions of all wishes by name; the name of a field sets that field."""
         return {
-            **{name: partial(self._read, name) for name in self.state.names().values()},
+            **{name: partial(self._set, name) for name in self.state.names().values()},
             "hello": lambda _: None,
             "undo": lambda _: self._undo(),
             "reset": lambda _: self.show(self.first),
@@ -291,8 +291,11 @@ class Tab(ABC, Generic[S]):
     def _back(self, name: str) -> None:
         self.show(self.state.at({name: self.first.place[name]}))
 
-    def _read(self, name: str, wish: Mapping[str, Any]) -> None:
-        self.change(**{name: self.state.read(name, as_text(wish["value"]))})
+    def _read(self, name: str, wish: Mapping[str, Any], called: str = "") -> Any:
+        return self.state.read(name, as_text(wish["value"]), called)
+
+    def _set(self, name: str, wish: Mapping[str, Any]) -> None:
+        self.change(**{name: self._read(name, wish)})
 
     def _undo(self) -> None:
         if self.past:

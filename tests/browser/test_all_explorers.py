@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from explored import Seen, Served
+from explored import CUT, Seen, Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 Serving = Callable[[str], Served]
@@ -36,6 +36,23 @@ def test_every_view_is_drawn_and_every_file_is_named(
     texts = seen("[...document.querySelectorAll('a.export')].map((each) => each.textContent)")
     assert {"branches of the diagram (CSV)", "the state (JSON)"} < {*texts}
     seen.picture({"toy": "explorer"}.get(page, page))
+    seen.close()
+
+
+@pages
+@pytest.mark.parametrize("width", [1280, 1100, 400])
+def test_no_control_is_cut(page: str, width: int, serving: Serving, chromium: Any) -> None:
+    """Buttons were, behind the end of their bar; and an enlarged view has room, on a phone too."""
+    seen = Seen(chromium, serving(page).address, size=(width, 800))
+    assert seen(CUT) == []
+    assert seen("document.documentElement.scrollWidth") <= width
+    seen.page.click(".menu > summary")
+    listed = seen.page.locator(".menu .list").bounding_box()
+    assert 0 <= listed["x"] <= width - listed["width"]
+    seen.page.keyboard.press("Escape")
+    seen.page.click("#view-map .enlarge")
+    seen.rest()
+    assert seen.page.locator("#plot-map").bounding_box()["height"] > 400
     seen.close()
 
 

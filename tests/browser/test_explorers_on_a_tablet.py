@@ -4,7 +4,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from explored import PICTURES, Seen, Served
+from explored import CUT, PICTURES, Seen, Served
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow, pytest.mark.nightly]
 Serving = Callable[[str], Served]
@@ -25,9 +25,6 @@ UNREACHABLE = """[...document.querySelectorAll("button, select, input, summary")
   const own = each.contains(found) || each.closest("label")?.contains(found);
   return own && !small ? [] : [`${each.id || each.textContent}: ${found?.id} ${width} ${height}`];
 })"""
-CUT = """[...document.querySelectorAll(".bar, header, .field, .control, aside, .view, #tour")]
-  .filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth + 1)
-  .map((each) => `${each.tagName} ${each.id} ${each.className}`)"""
 
 
 @pytest.mark.parametrize("size", [UPRIGHT, ACROSS], ids=["upright", "across"])

@@ -37,6 +37,7 @@ SAMPLES = 320  # of a motion
 FALLING = 0.4  # s that are shown of a motion that does not return
 RETURNS_MOST = 6  # that are shown of a motion that is not periodic
 NEAR = 0.08  # rad: a periodic motion farther from the start is taken to be another one
+SAME = 1e-13  # rad: a start this close to a periodic motion is kept, and its link, to the last bit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -89,7 +90,8 @@ def settled(state: PageState) -> tuple[PageState, str]:
     orbit = shoot(toy, state.phi_s, state.order)
     if orbit.success and abs(orbit.phi_s - state.phi_s) <= NEAR:
         smaller = orbit.message if orbit.minimal_period < orbit.order else ""
-        return replace(state, phi_s=orbit.phi_s), smaller
+        kept = abs(orbit.phi_s - state.phi_s) <= SAME
+        return state if kept else replace(state, phi_s=orbit.phi_s), smaller
     why = orbit.message
     if orbit.success:
         why = f"the nearest periodic motion is another one, at {orbit.phi_s:.4f} rad"

@@ -13,7 +13,6 @@ from bokeh.document import Document
 
 from pwmap.explore.figures import Shown, map_figure
 from pwmap.explore.jobs import warm_up
-from pwmap.explore.link import as_text
 from pwmap.explore.page import PARAMETERS, asked, control
 from pwmap.explore.serving import Serve
 from pwmap.explore.tab import Demand, Tab
@@ -132,11 +131,10 @@ class SystemTab(Tab[SystemState]):
         return super().demands() | own
 
     def _start(self, wish: Mapping[str, Any]) -> None:
-        x = self.state.read("x", as_text(wish["value"]), "start")
-        self.change(x=x, periodic=False)
+        self.change(x=self._read("x", wish, "start"), periodic=False)
 
     def _coordinate(self, wish: Mapping[str, Any]) -> None:
-        self.state = replace(self.state, coordinate=int(wish["value"]))
+        self.state = replace(self.state, coordinate=self._read("coordinate", wish))
         if self._now is not None:
             self._draw_motion(self._now)
 

@@ -207,9 +207,9 @@ class ToyTab(Tab[PageState]):
             "law": lambda wish: self.change(
                 toy=self.state.toy.replace(expansion_friction=wish["value"])
             ),
-            "start": lambda wish: self._start(float(wish["value"])),
+            "start": lambda wish: self._start(self._read("phi_s", wish, "start")),
             "orbits": lambda wish: self._orbits(bool(wish["value"])),
-            "tour": lambda wish: self._go(int(wish["value"])),
+            "tour": lambda wish: self._go(self._read("tour", wish)),
             "home": lambda wish: self._home(str(wish["value"])),
         }
 

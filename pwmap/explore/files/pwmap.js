@@ -24,9 +24,9 @@ explorer.heard.push((told) => {
   }
   if (told.axes) {
     const none = !told.axes.length;
-    write("#plane-told", none ? "a plane needs a map with two parameters" : "");
+    write("#plane-told", none ? "a plane needs a map with two parameters" : "click: the map there");
     $("#view-plane").classList.toggle("empty", none);
-    for (const part of $$("#view-plane label, #view-plane .told")) part.hidden = none;
+    for (const part of $$("#view-plane label")) part.hidden = none;
     for (const [k, name] of ["across", "along"].entries()) write(`#name-${name}`, told.axes[k] ?? "");
   }
 });

@@ -94,7 +94,8 @@ for (const button of $$(".back")) button.addEventListener("click", () => explore
 for (const each of $$("[data-ask]")) {
   const kind = each.matches("select, input") ? "change" : "click";
   each.addEventListener(kind, () => {
-    const value = each.type === "checkbox" ? each.checked : each.value;
+    const typed = each.inputMode === "decimal" ? each.value.replace(",", ".") : each.value;
+    const value = each.type === "checkbox" ? each.checked : typed;
     explorer.ask({ do: each.dataset.ask, value: each.dataset.value ?? value });
   });
 }

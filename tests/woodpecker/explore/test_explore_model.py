@@ -28,6 +28,13 @@ def test_the_start_goes_with_its_motion() -> None:
     assert "the motion from -1.9000 rad is shown" in message
 
 
+def test_a_start_on_its_motion_is_kept_to_the_last_bit() -> None:
+    """Newton's method moved it by some, so that a page changed the link it was opened with."""
+    for value in np.linspace(0.3, 0.62, 20).tolist():
+        once, _ = model.settled(PageState(toy=Toy(eps_n1=value)))
+        assert model.settled(once) == (once, "")
+
+
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_map_has_the_values_and_the_jumps_of_the_map(order: int) -> None:
     state = PageState(order=order)
