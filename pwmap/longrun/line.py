@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import sympy
@@ -166,13 +167,23 @@ def union(intervals: Iterable[Interval]) -> list[Interval]:
     Ends may be of any comparable kind: numbers, cuts or doubles.
     """
     found = list[Interval]()
-    for low, high in sorted(intervals, key=lambda each: each[0]):
+    for low, high in sorted(intervals, key=itemgetter(0)):
         if found and low <= found[-1][1]:
             if high > found[-1][1]:
                 found[-1] = found[-1][0], high
         else:
             found.append((low, high))
     return found
+
+
+def join(known: list[Interval], intervals: Iterable[Interval]) -> None:
+    """Add closed intervals to the union of others, which are disjoint and sorted."""
+    for low, high in intervals:
+        first = bisect_left(known, low, key=itemgetter(1))
+        last = bisect_right(known, high, first, key=itemgetter(0))
+        if first < last:
+            low, high = min(low, known[first][0]), max(high, known[last - 1][1])
+        known[first:last] = [(low, high)]
 
 
 def difference(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:
