@@ -28,6 +28,7 @@ from pwmap.longrun.line import (
     MapLine,
     Part,
     PointSet,
+    iterates,
     open_intervals,
     point_set,
 )
@@ -302,25 +303,21 @@ def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[Neutr
 
 def followers(line: MapLine, germs: Sequence[Germ]) -> Iterator[Interval]:
     """Yield the intervals, one beside each germ of a cycle, whose points follow it for a round."""
-    part = germs[0].x, germs[0].x + germs[0].side * room(line, germs, 1)
+    part, start = domain(line, germs), germs[0]
+    part = (start.x, part[1]) if start.side > 0 else (part[0], start.x)
     for germ in germs:
-        yield min(part), max(part)
+        yield part
         part = line.piece(germ).over(part)
 
 
 def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     """The neutral intervals whose points follow a cycle of germs with slopes of product 1."""
-    ahead, behind = (room(line, germs, way) for way in (1, -1))
-    visited, letters, scale = list[Interval](), list[str](), QQ.one
-    for germ in germs:
-        far, back = germ.x + germ.side * scale * ahead, germ.x - germ.side * scale * behind
-        part = (back, far) if germ.side > 0 else (far, back)
-        if part in visited[:1]:
-            break
+    visited, part, pieces = list[Interval](), domain(line, germs), [*map(line.piece, germs)]
+    while part not in visited[:1]:
         visited.append(part)
-        letters.append(line.piece(germ).letter)
-        scale = scale * abs(line.piece(germ).slope)
+        part = pieces[len(visited) - 1].over(part)
     first = min(range(len(visited)), key=visited.__getitem__)
+    letters = [piece.letter for piece in pieces[: len(visited)]]
     return NeutralIntervals(
         parts=_with_ends(line, visited[first:] + visited[:first], len(germs)),
         word="".join(letters[first:] + letters[:first]),
@@ -328,15 +325,10 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     )
 
 
-def room(line: MapLine, germs: Sequence[Germ], way: int) -> Exact:
-    """How far points follow all germs, on the side of the first (1) or opposite it (-1)."""
-    found, scale = HIGHEST, QQ.one
-    for germ in germs:
-        branch = line.piece(germ)
-        end = branch.upper if way * germ.side > 0 else branch.lower
-        found = min(found, abs(end - germ.x) / scale)
-        scale = scale * abs(branch.slope)
-    return found
+def domain(line: MapLine, germs: Sequence[Germ]) -> Interval:
+    """The interval of the points that follow the pieces on the sides of all germs of an orbit."""
+    *_, whole = iterates(map(line.piece, germs))
+    return whole.lower, whole.upper
 
 
 def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tuple[Part, ...]:
@@ -346,7 +338,7 @@ def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tup
         if isinstance(end, Infinite):
             continue
         around = [*islice(line.orbit(Germ(end, side)), period)]  # visits an end of every interval
-        if all(line.piece(Germ(each.x, 0)).letter == line.piece(each).letter for each in around):
+        if line.owns(around):
             owned.update((k % len(intervals), each.side) for k, each in enumerate(around))
     return tuple(
         ((low, -1 if (k, 1) in owned else 1), (high, 1 if (k, -1) in owned else -1))

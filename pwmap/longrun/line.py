@@ -138,6 +138,11 @@ class MapLine:
         )
         return MapLine(branches, owners)
 
+    def owns(self, germs: Iterable[Germ]) -> bool:
+        """Whether the points of germs belong to the branches on the sides of the germs."""
+        pairs = ((self.piece(Germ(germ.x, 0)), self.piece(germ)) for germ in germs)
+        return all(own.letter == beside.letter and not own.is_point for own, beside in pairs)
+
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
         """Yield the parts into which breaks cut a nondegenerate interval, with their branches."""
         for k, part in cut_at(self.breaks, interval):
@@ -152,6 +157,27 @@ class MapLine:
             else:
                 found += [branch.over(part) for branch, part in self.parts((low, high))]
         return union(found)
+
+
+def taken_into(whole: Affine, points: Interval, target: Interval) -> Interval | None:
+    """The points of an open interval that an affine map takes into another; None if none."""
+    slope, intercept = whole
+    if not slope:
+        return points if target[0] < intercept < target[1] else None
+    low, high = ((end - intercept) / slope for end in target[:: sign(slope)])
+    low, high = max(points[0], low), min(points[1], high)
+    return (low, high) if low < high else None
+
+
+def iterates(branches: Iterable[AffinePiece]) -> Iterator[AffinePiece]:
+    """Yield the affine pieces of the iterates along the prefixes of a word."""
+    whole, points = IDENTITY, (LOWEST, HIGHEST)
+    for branch in branches:
+        found = taken_into(whole, points, branch[2:4])
+        if found is None:
+            return
+        whole, points = branch.after(whole), found
+        yield AffinePiece(*whole, *points, "")
 
 
 def cut_at(breaks: Sequence[Exact], interval: Interval) -> Iterator[tuple[int, Interval]]:

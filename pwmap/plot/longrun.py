@@ -278,8 +278,8 @@ def _areas(
 
 
 def _before_pole(cycle: FloatArray) -> FloatArray:
-    # The places and values that axes show of a cycle, given with 1 minus its multiplier: like 1/p it
-    # grows without bound as that tends to 0; then they show it down to a quarter of the largest.
+    # The places and values that axes show of a cycle, given with 1 minus its multiplier: like 1/p
+    # it grows without bound as that tends to 0; they show it down to a quarter of the largest.
     *_, gap = cycle
     is_pole = gap.min() < gap.max() / POLE
     return cycle[:2, gap >= (0.25 * gap.max() if is_pole else 0.0)].T
