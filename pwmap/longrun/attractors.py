@@ -227,7 +227,7 @@ class _LateImages:
         bits = START_BITS + BITS_PER_BIT * max(map(denominator_bits, numbers))
         self.close = self.scale * QQ(1, 1 << bits)
         self.grid = 2 * denominator_bits(self.close) + ROUNDED
-        self.near = self.close * (1 << self.grid)
+        self.near = self.close * (1 << self.grid)  # the same, in units of the grid
         self.step = STEP * max(map(work_of, numbers), default=1)  # with numbers of the map's field
         # in order by their places on the grid: it takes long to compare exact ones
         images = {key(germ.x): germ.x for orbit in orbits for germ in orbit.germs}

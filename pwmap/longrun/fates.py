@@ -223,16 +223,17 @@ def escapes(line: MapLine) -> Interval:
     """The points below and above which orbits tend to infinity; infinite where none do."""
     left, right = line.branches[0], line.branches[-1]
     below, above = _own(left, -1), _own(right, 1)
-    turns = sign(left.slope), sign(right.slope)
     if len(line.branches) == 1:
         return below, above
     # a decreasing outer piece maps far points to the other side
-    if turns[0] < 0:
+    if left.slope < 0 and right.slope < 0 and left.slope * right.slope > 1:
+        _, twice = iterates((left, right))
+        below = _own(twice, -1)
+        return below, max(left(below), right.lower)
+    if left.slope < 0:
         below = min(left.upper, (above - left.intercept) / left.slope)
-    if turns[1] < 0:
+    if right.slope < 0:
         above = max(right.lower, (below - right.intercept) / right.slope)
-    if turns == (-1, -1) and left.slope * right.slope > 1:
-        return _swapped(left, right)
     return below, above
 
 
@@ -244,16 +245,6 @@ def _own(branch: AffinePiece, side: int) -> Exact:
     if branch.slope == 1 and side * sign(branch.intercept) > 0:
         return end
     return side * HIGHEST
-
-
-def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
-    """The escape points if both outer pieces decrease and exchange far points."""
-    slope = left.slope * right.slope
-    low = (right.slope * left.intercept + right.intercept) / (1 - slope)
-    # the 2-cycle of both pieces or, if it lies outside of them, their ends or preimages of these
-    low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
-    high = left(low)
-    return low, max(high, right.lower)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

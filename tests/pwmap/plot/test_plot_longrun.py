@@ -75,12 +75,11 @@ def test_a_pole_does_not_stretch_the_axes() -> None:
     map_ = PiecewiseLinearMap.from_sympy("Piecewise((p*x - 1, True))")
     span = ("-3/2", "3/2")
     found, diagram = attractor_diagram(map_, "p", span), bifurcation_diagram(map_, "p", span, (1,))
-    for steps in (12, 400):
-        low, high = plot_attractors(found, map_, steps=steps).ax.get_ylim()
-        assert (low, high) == pytest.approx((-2 - 0.18, -0.5 + 0.18), abs=0.4)
-        low, high = plot_long_run(diagram, found, map_, steps=steps).ax.get_ylim()
-        assert -4 < low < -2
-        assert 2 < high < 12
+    low, high = plot_attractors(found, map_, steps=12).ax.get_ylim()
+    assert (low, high) == pytest.approx((-2 - 0.18, -0.5 + 0.18), abs=0.4)
+    low, high = plot_long_run(diagram, found, map_, steps=60).ax.get_ylim()
+    assert -4 < low < -2
+    assert 2 < high < 12
 
 
 def test_long_cycles_are_drawn_where_they_are() -> None:
