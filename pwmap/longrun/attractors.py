@@ -12,14 +12,13 @@ from __future__ import annotations
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import chain, pairwise
 from math import gcd
-from operator import itemgetter
 
 import networkx as nx
 from sympy import QQ
 
-from pwmap.algebra.exact import Number, pair
+from pwmap.algebra.exact import pair
 from pwmap.algebra.numbers import Element, Exact, enclosed, key
 from pwmap.longrun.fates import (
     AttractingCycle,
@@ -30,7 +29,7 @@ from pwmap.longrun.fates import (
     followers,
     neutral_intervals,
 )
-from pwmap.longrun.line import Germ, Interval, MapLine, difference, length, union
+from pwmap.longrun.line import Germ, Interval, MapLine, difference, join, length, union
 from pwmap.maps.budget import Meter
 from pwmap.maps.words import work_of
 
@@ -228,10 +227,12 @@ class _LateImages:
         bits = START_BITS + BITS_PER_BIT * max(map(denominator_bits, numbers))
         self.close = self.scale * QQ(1, 1 << bits)
         self.grid = 2 * denominator_bits(self.close) + ROUNDED
+        self.near = self.close * (1 << self.grid)  # the same, in units of the grid
         self.step = STEP * max(map(work_of, numbers), default=1)  # with numbers of the map's field
         # in order by their places on the grid: it takes long to compare exact ones
         images = {key(germ.x): germ.x for orbit in orbits for germ in orbit.germs}
         self.images = sorted((self.on_grid(x), x) for x in images.values())
+        self.places = [place for place, _ in self.images]
         self.known = dict[Interval, Intervals]()
         self.settling = [pair for each in neutral for pair in each.intervals]
         for orbit in orbits:  # the side of a break may attract, without a cycle that does
@@ -285,7 +286,7 @@ class _LateImages:
                 return ()
             self.meter.spend(len(known))  # for sorting them
             new = difference(union(images), known)
-            known = union((*known, *new))
+            join(known, new)
             if len(known) > PARTS:
                 return None
         for _ in range(MAX_GROWTH_STEPS):
@@ -305,21 +306,25 @@ class _LateImages:
 
     def exact(self, known: Sequence[Interval]) -> list[Interval]:
         """The intervals with ends moved to images of breaks; empty if one is not close to any."""
-        ends = [self.nearest(end) for pair in known for end in pair]
-        if any(end is None for end in ends):
-            return []
+        ends = list[Exact]()
+        for end in chain.from_iterable(known):
+            near = self.nearest(end)
+            if near is None:
+                return []
+            ends.append(near)
         return union(zip(ends[::2], ends[1::2], strict=True))
 
     def nearest(self, x: Exact) -> Exact | None:
         """The image of a break closest to a number; None if it is farther than ``close``."""
-        place, own = self.on_grid(x), itemgetter(0)
-        first = max(0, bisect_left(self.images, place, key=own) - 1)
-        beside = self.images[first : bisect_right(self.images, place, first, key=own) + 1]
+        place = self.on_grid(x)
+        first = max(0, bisect_left(self.places, place) - 1)
+        beside = self.images[first : bisect_right(self.places, place, first) + 1]
         least = min(abs(at - place) for at, _ in beside)
+        if not least < self.near:
+            return None
         # images that converge to an end are at one place of the grid with it
         found = [each for at, each in beside if abs(at - place) == least]
-        near = found[0] if len(found) == 1 else min(found, key=lambda each: abs(each - x))
-        return near if least < self.close else None
+        return found[0] if len(found) == 1 else min(found, key=lambda each: abs(each - x))
 
     def images_of(self, parts: Sequence[Interval]) -> list[Interval] | None:
         """The images of the parts between breaks, not joined; None if one of them settles."""
@@ -345,12 +350,14 @@ class _LateImages:
 
     def rounded(self, x: Exact) -> Exact:
         """The number itself, or the nearest one of the grid if its denominator is longer."""
-        return x if denominator_bits(x) <= self.grid else self.on_grid(x)
+        return x if denominator_bits(x) <= self.grid else QQ(self.on_grid(x), 1 << self.grid)
 
-    def on_grid(self, x: Exact) -> Number:
-        """The multiple of 2**-grid nearest to a number, up to an error in the last bit."""
-        top, bottom = enclosed(x, self.grid)[0].as_integer_ratio()
-        return QQ(((top << self.grid + 1) // bottom + 1) // 2, 1 << self.grid)
+    def on_grid(self, x: Exact) -> int:
+        """The nearest multiple of 2**-grid, over that, up to an error in the last bit."""
+        top, bottom = (
+            enclosed(x, self.grid)[0].as_integer_ratio() if isinstance(x, Element) else pair(x)
+        )
+        return ((top << self.grid + 1) // bottom + 1) // 2
 
 
 def _length(part: Interval) -> Exact:

@@ -18,11 +18,10 @@ from math import prod
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.exact import HIGHEST, Infinite
+from pwmap.algebra.exact import Infinite
 from pwmap.algebra.numbers import Exact
 from pwmap.longrun.fates import followers
 from pwmap.longrun.line import (
-    IDENTITY,
     AffinePiece,
     Germ,
     Interval,
@@ -31,6 +30,7 @@ from pwmap.longrun.line import (
     PointSet,
     closed_intervals,
     drawn_back,
+    iterates,
     open_intervals,
     point_set,
     preimage,
@@ -200,7 +200,8 @@ def _extended(
     if isinstance(end, Infinite) or work_of(end) > LONGEST:
         return known[k]
     target = open_intervals(known)
-    for piece in _pieces(line, end, side, orders, meter):
+    for piece in iterates(_visited(line, Germ(end, side), orders, meter)):
+        piece = piece._replace(**{"lower" if side > 0 else "upper": end})
         best = (max if side > 0 else min)(best, _extended_end(piece, target, side))
         if isinstance(best, Infinite):
             break
@@ -215,26 +216,14 @@ def _extended_end(piece: AffinePiece, known: PointSet, side: int) -> Exact:
     if far != end and piece.slope > 0 and piece(far) == end:
         # points beyond come closer to the end, and so into this part at last, up to a fixed point
         rest = 1 - piece.slope
-        return limit if rest >= 0 else _nearer(piece.intercept / rest, limit, side)
+        return limit if rest >= 0 else (min if side > 0 else max)(piece.intercept / rest, limit)
     return far
 
 
-def _nearer(x: Exact, limit: Exact, side: int) -> Exact:
-    return min(x, limit) if side > 0 else max(x, limit)
-
-
-def _pieces(
-    line: MapLine, end: Exact, side: int, orders: int, meter: Meter
-) -> Iterator[AffinePiece]:
-    """Yield the affine pieces of the iterates 1, 2, ... on one side of a point."""
-    whole, limit, germ = IDENTITY, side * HIGHEST, Germ(end, side)
-    for _ in range(orders):
+def _visited(line: MapLine, start: Germ, orders: int, meter: Meter) -> Iterator[AffinePiece]:
+    """Yield the pieces that the orbit of a germ visits, up to a flat one."""
+    for germ in islice(line.orbit(start), orders):
         meter.spend(STEP + 3 * work_of(germ.x))
-        branch = line.piece(germ)
-        stop = branch.upper if germ.side > 0 else branch.lower
-        limit = _nearer((stop - whole.intercept) / whole.slope, limit, side)
-        whole, germ = branch.after(whole), line.image(germ)
-        low, high = (end, limit)[::side]
-        yield AffinePiece(*whole, low, high, "")
-        if not whole.slope:
+        yield line.piece(germ)
+        if not line.piece(germ).slope:
             return

@@ -18,11 +18,11 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import check_functions, explained
-from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
+from pwmap.algebra.exact import HIGHEST, LOWEST, Affine
 from pwmap.algebra.numbers import Exact, key
 from pwmap.algebra.roots import real_to_sympy
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine, line_of
+from pwmap.longrun.line import IDENTITY, Germ, Interval, MapLine, line_of, taken_into
 from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import work_of
@@ -198,26 +198,15 @@ def levels_of(line: MapLine, meter: Meter) -> Iterator[list[Start]]:
 def _longer(line: MapLine, start: Start, meter: Meter) -> Iterator[Start]:
     """Yield the extensions of a word by one letter that some points follow, with these points."""
     word, whole, points = start
-    slope, intercept = whole
-    meter.spend(STEP * len(line.branches) * work_of(intercept))
+    meter.spend(STEP * len(line.branches) * work_of(whole.intercept))
+    onward = Affine(whole.slope - 1, whole.intercept)  # from the point to its last image
     for k, branch in enumerate(line.branches):
         # the last image lies in the branch and, as the point is the leftmost, to the right of it
-        positive = [(slope, intercept - branch.lower), (-slope, branch.upper - intercept),
-                    (slope - 1, intercept)][: 3 if word else 2]  # fmt: skip
-        cut: Interval | None = points
-        for one in positive:
-            cut = cut and _cut(*one, *cut)
+        cut = taken_into(whole, points, branch[2:4])
+        if cut and word:
+            cut = taken_into(onward, cut, (QQ.zero, HIGHEST))
         if cut:
             yield (*word, k), branch.after(whole), cut
-
-
-def _cut(slope: Exact, intercept: Exact, low: Exact, high: Exact) -> Interval | None:
-    """The part of an interval in which slope x + intercept is positive; None if there is none."""
-    if not slope:
-        return (low, high) if intercept > 0 else None
-    zero = -intercept / slope
-    low, high = (max(low, zero), high) if slope > 0 else (low, min(high, zero))
-    return (low, high) if low < high else None
 
 
 def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCycle]:
@@ -228,25 +217,15 @@ def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCy
             meter.spend(work_of(image))
             points.append(image)
             image = line(image)
-        if image != x:
-            continue
         least = min(points)
-        if key(least) in seen:
+        if image != x or key(least) in seen:
             continue
         seen.add(key(least))
-        first = points.index(least)
-        points = points[first:] + points[:first]
-        pieces = [line.piece(Germ(point, 0)) for point in points]
-        sides = [side for side in (-1, 1) if _is_followed(line, points, pieces, side)]
-        slope = prod((piece.slope for piece in pieces), start=QQ.one) if sides else None
+        orbit, *sides = (
+            [*islice(line.orbit(Germ(least, side)), len(points))] for side in (0, -1, 1)
+        )
+        pieces = [*map(line.piece, orbit)]
+        is_followed = any(map(line.owns, sides))
+        slope = prod((piece.slope for piece in pieces), start=QQ.one) if is_followed else None
         if slope != 1:
             yield FoundCycle(line, "".join(piece.letter for piece in pieces), least, slope, True)
-
-
-def _is_followed(line: MapLine, points: list[Exact], pieces: list[AffinePiece], side: int) -> bool:
-    """Whether points on one side of the first point of a cycle follow the pieces of the cycle."""
-    for x, piece in zip(points, pieces, strict=True):
-        if piece.is_point or (side and line.piece(Germ(x, side)).letter != piece.letter):
-            return False
-        side *= sign(piece.slope)
-    return True

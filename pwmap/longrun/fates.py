@@ -28,6 +28,7 @@ from pwmap.longrun.line import (
     MapLine,
     Part,
     PointSet,
+    iterates,
     open_intervals,
     point_set,
 )
@@ -222,16 +223,17 @@ def escapes(line: MapLine) -> Interval:
     """The points below and above which orbits tend to infinity; infinite where none do."""
     left, right = line.branches[0], line.branches[-1]
     below, above = _own(left, -1), _own(right, 1)
-    turns = sign(left.slope), sign(right.slope)
     if len(line.branches) == 1:
         return below, above
     # a decreasing outer piece maps far points to the other side
-    if turns[0] < 0:
+    if left.slope < 0 and right.slope < 0 and left.slope * right.slope > 1:
+        _, twice = iterates((left, right))
+        below = _own(twice, -1)
+        return below, max(left(below), right.lower)
+    if left.slope < 0:
         below = min(left.upper, (above - left.intercept) / left.slope)
-    if turns[1] < 0:
+    if right.slope < 0:
         above = max(right.lower, (below - right.intercept) / right.slope)
-    if turns == (-1, -1) and left.slope * right.slope > 1:
-        return _swapped(left, right)
     return below, above
 
 
@@ -243,16 +245,6 @@ def _own(branch: AffinePiece, side: int) -> Exact:
     if branch.slope == 1 and side * sign(branch.intercept) > 0:
         return end
     return side * HIGHEST
-
-
-def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
-    """The escape points if both outer pieces decrease and exchange far points."""
-    slope = left.slope * right.slope
-    low = (right.slope * left.intercept + right.intercept) / (1 - slope)
-    # the 2-cycle of both pieces or, if it lies outside of them, their ends or preimages of these
-    low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
-    high = left(low)
-    return low, max(high, right.lower)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -302,25 +294,21 @@ def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[Neutr
 
 def followers(line: MapLine, germs: Sequence[Germ]) -> Iterator[Interval]:
     """Yield the intervals, one beside each germ of a cycle, whose points follow it for a round."""
-    part = germs[0].x, germs[0].x + germs[0].side * room(line, germs, 1)
+    part, start = domain(line, germs), germs[0]
+    part = (start.x, part[1]) if start.side > 0 else (part[0], start.x)
     for germ in germs:
-        yield min(part), max(part)
+        yield part
         part = line.piece(germ).over(part)
 
 
 def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     """The neutral intervals whose points follow a cycle of germs with slopes of product 1."""
-    ahead, behind = (room(line, germs, way) for way in (1, -1))
-    visited, letters, scale = list[Interval](), list[str](), QQ.one
-    for germ in germs:
-        far, back = germ.x + germ.side * scale * ahead, germ.x - germ.side * scale * behind
-        part = (back, far) if germ.side > 0 else (far, back)
-        if part in visited[:1]:
-            break
+    visited, part, pieces = list[Interval](), domain(line, germs), [*map(line.piece, germs)]
+    while part not in visited[:1]:
         visited.append(part)
-        letters.append(line.piece(germ).letter)
-        scale = scale * abs(line.piece(germ).slope)
+        part = pieces[len(visited) - 1].over(part)
     first = min(range(len(visited)), key=visited.__getitem__)
+    letters = [piece.letter for piece in pieces[: len(visited)]]
     return NeutralIntervals(
         parts=_with_ends(line, visited[first:] + visited[:first], len(germs)),
         word="".join(letters[first:] + letters[:first]),
@@ -328,15 +316,10 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     )
 
 
-def room(line: MapLine, germs: Sequence[Germ], way: int) -> Exact:
-    """How far points follow all germs, on the side of the first (1) or opposite it (-1)."""
-    found, scale = HIGHEST, QQ.one
-    for germ in germs:
-        branch = line.piece(germ)
-        end = branch.upper if way * germ.side > 0 else branch.lower
-        found = min(found, abs(end - germ.x) / scale)
-        scale = scale * abs(branch.slope)
-    return found
+def domain(line: MapLine, germs: Sequence[Germ]) -> Interval:
+    """The interval of the points that follow the pieces on the sides of all germs of an orbit."""
+    *_, whole = iterates(map(line.piece, germs))
+    return whole.lower, whole.upper
 
 
 def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tuple[Part, ...]:
@@ -346,7 +329,7 @@ def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tup
         if isinstance(end, Infinite):
             continue
         around = [*islice(line.orbit(Germ(end, side)), period)]  # visits an end of every interval
-        if all(line.piece(Germ(each.x, 0)).letter == line.piece(each).letter for each in around):
+        if line.owns(around):
             owned.update((k % len(intervals), each.side) for k, each in enumerate(around))
     return tuple(
         ((low, -1 if (k, 1) in owned else 1), (high, 1 if (k, -1) in owned else -1))

@@ -16,6 +16,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import sympy
@@ -137,6 +138,11 @@ class MapLine:
         )
         return MapLine(branches, owners)
 
+    def owns(self, germs: Iterable[Germ]) -> bool:
+        """Whether the points of germs belong to the branches on the sides of the germs."""
+        pairs = ((self.piece(Germ(germ.x, 0)), self.piece(germ)) for germ in germs)
+        return all(own.letter == beside.letter and not own.is_point for own, beside in pairs)
+
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
         """Yield the parts into which breaks cut a nondegenerate interval, with their branches."""
         for k, part in cut_at(self.breaks, interval):
@@ -153,6 +159,27 @@ class MapLine:
         return union(found)
 
 
+def taken_into(whole: Affine, points: Interval, target: Interval) -> Interval | None:
+    """The points of an open interval that an affine map takes into another; None if none."""
+    slope, intercept = whole
+    if not slope:
+        return points if target[0] < intercept < target[1] else None
+    low, high = ((end - intercept) / slope for end in target[:: sign(slope)])
+    low, high = max(points[0], low), min(points[1], high)
+    return (low, high) if low < high else None
+
+
+def iterates(branches: Iterable[AffinePiece]) -> Iterator[AffinePiece]:
+    """Yield the affine pieces of the iterates along the prefixes of a word."""
+    whole, points = IDENTITY, (LOWEST, HIGHEST)
+    for branch in branches:
+        found = taken_into(whole, points, branch[2:4])
+        if found is None:
+            return
+        whole, points = branch.after(whole), found
+        yield AffinePiece(*whole, *points, "")
+
+
 def cut_at(breaks: Sequence[Exact], interval: Interval) -> Iterator[tuple[int, Interval]]:
     """The parts into which breaks cut an interval, each after the index of its branch."""
     low, high = interval
@@ -166,13 +193,23 @@ def union(intervals: Iterable[Interval]) -> list[Interval]:
     Ends may be of any comparable kind: numbers, cuts or doubles.
     """
     found = list[Interval]()
-    for low, high in sorted(intervals, key=lambda each: each[0]):
+    for low, high in sorted(intervals, key=itemgetter(0)):
         if found and low <= found[-1][1]:
             if high > found[-1][1]:
                 found[-1] = found[-1][0], high
         else:
             found.append((low, high))
     return found
+
+
+def join(known: list[Interval], intervals: Iterable[Interval]) -> None:
+    """Add closed intervals to the union of others, which are disjoint and sorted."""
+    for low, high in intervals:
+        first = bisect_left(known, low, key=itemgetter(1))
+        last = bisect_right(known, high, first, key=itemgetter(0))
+        if first < last:
+            low, high = min(low, known[first][0]), max(high, known[last - 1][1])
+        known[first:last] = [(low, high)]
 
 
 def difference(intervals: Iterable[Interval], known: Sequence[Interval]) -> list[Interval]:

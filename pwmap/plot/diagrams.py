@@ -224,7 +224,7 @@ def draw_branches(
         style = curve.look
         if len(ranks) > 1:
             style["linewidth"] *= width_of(ranks[curve.order])
-        ax.update_datalim(np.column_stack([curve.p, _bounded(curve.x)]))
+        ax.update_datalim(np.column_stack([curve.p, bounded(curve.x)]))
         line = Line2D(curve.p, np.clip(curve.x, -far, far), solid_capstyle="round", **style)
         ax.add_artist(line)  # unlike a plotted line, it has no part in the limits of the axes
         add(lines, {curve.label: [line]})
@@ -268,8 +268,8 @@ def draw_branches(
     return shown
 
 
-def _bounded(x: FloatArray) -> FloatArray:
-    # the values that axes show: towards infinity, those up to a quartile
+def bounded(x: FloatArray) -> FloatArray:
+    """The values that axes show: towards infinity, those up to a quartile."""
     finite = x[np.isfinite(x)] if np.isfinite(x).any() else [0.0]
     low, high = np.quantile(finite, (0.25, 0.75))  # of 1/p, up to 4 times the least value
     return np.clip(x, low if -np.inf in x else -np.inf, high if np.inf in x else np.inf)

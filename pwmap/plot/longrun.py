@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from sympy import QQ
 
@@ -33,6 +34,7 @@ from pwmap.plot.diagrams import (
     STABLE,
     STYLES,
     axis_label,
+    bounded,
     draw_branches,
     legend_entries,
     order_samples,
@@ -70,6 +72,7 @@ KNOWN = (
     *STYLES, *(name for name, _ in SHADES), NEUTRAL, OPEN, *PERIODS_NAMED,
     *(kind.label for kind in PointKind),
 )  # fmt: skip
+POLE = 32.0  # times smaller than elsewhere is 1 - multiplier of a cycle that tends to infinity
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, relative to their extent
 BINS = 120  # of histograms
 LETTERS_DRAWN = 1000  # most letters of a kneading sequence: the picture is then 6 m wide
@@ -131,6 +134,9 @@ def plot_long_run(
     ax, shown = _draw_attractors(found, map_, ax, steps)
     every = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP], labels=labels)
     marked = [p.x for p in diagram.points if p.kind is not PointKind.EP and np.isfinite(p.x)]
+    # in place of a fold at infinity, the branches that it joins
+    folds = {p.id for p in diagram.points if p.kind is PointKind.LP and not np.isfinite(p.x)}
+    marked += [x for b in diagram.branches if folds & {*b.ends} for x in bounded(b.x).tolist()]
     low, high = ax.get_ylim()
     margin = MARGIN * (high - low)
     ax.set_ylim(
@@ -206,12 +212,15 @@ def _draw_attractors(
     ax, steps = axes_for(ax, 7.0, 4.6), checked_count(steps, "steps", MOST_COLUMNS)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
     shown: Artists = {}
+    cycles = dict[str, list[FloatArray]]()  # by word
     meter = Meter(BUDGET)  # of all open cells: places in them beyond it are shown as not known
     for cell in found.cells:
         low, high = float(cell.lower), float(cell.upper)
         count = max(STEPS, round(steps * (high - low) / whole))
         places, seen = sampled(found, cell, count, meter if cell.is_open else Meter(BUDGET))
-        _areas(ax, [to_double(p) for p in places], seen, (low, high), shown)
+        _areas(ax, [to_double(p) for p in places], seen, (low, high), shown, cycles)
+    for rows in cycles.values():
+        ax.update_datalim(_before_pole(np.hstack(rows)))
     shown |= _draw_crises(found, map_, ax)
     ax.set_xlim(float(found.cells[0].lower), float(found.cells[-1].upper))
     extent = ax.dataLim.frozen()
@@ -223,9 +232,10 @@ def _draw_attractors(
 
 def _areas(
     ax: Axes, places: Sequence[float], seen: Sequence[FoundAttractors],
-    cell: tuple[float, float], shown: Artists,
+    cell: tuple[float, float], shown: Artists, cycles: dict[str, list[FloatArray]],
 ) -> None:  # fmt: skip
     """Draw one cell; neighbouring places with the same numbers of bands and points are joined."""
+    # points of cycles have no part in the limits of the axes, but are added to ``cycles``
     first = 0
     for _, group in groupby(seen, key=_shape):
         rows = list(group)
@@ -248,17 +258,31 @@ def _areas(
                     above = to_ends(over, [min(float(each.end), far) for each in row])
                     area = ax.fill_between(over, below, above, linewidth=0.0, **look)
                     add(shown, {label: [area]})
-            period = len(attractors[0].points)
+            period, gaps = len(attractors[0].points), list[float]()
+            if period:
+                gaps = [1.0 - float(a.multiplier) for a in attractors]
             for points in zip(*(sorted(map(float, p.points)) for p in attractors), strict=True):
                 name, color = named(period), of_period(period)
-                if len(points) == 1:
-                    dot = ax.plot(inner, points, ".", color=color, markersize=1.5, zorder=1.5)
-                    add(shown, {name: dot})
-                    continue
                 values = to_ends(over, points)
-                line = ax.plot(over, values, color=color, linewidth=0.8, zorder=1.5)
-                shown[name] = [*line, *shown.get(name, [])]  # a line first: the legend shows it
+                known = cycles.setdefault(attractors[0].word, [])
+                known.append(np.array([over, values, [gaps[0], *gaps, gaps[-1]]]))
+                if len(points) == 1:
+                    dot = Line2D(inner, points, linestyle="", marker=".", color=color,
+                                 markersize=1.5, zorder=1.5)  # fmt: skip
+                    add(shown, {name: [ax.add_artist(dot)]})
+                    continue
+                line = Line2D(over, values, color=color, linewidth=0.8, zorder=1.5)
+                # a line first: the legend shows it
+                shown[name] = [ax.add_artist(line), *shown.get(name, [])]
         first = last + 1
+
+
+def _before_pole(cycle: FloatArray) -> FloatArray:
+    # The places and values that axes show of a cycle, given with 1 minus its multiplier: like 1/p
+    # it grows without bound as that tends to 0; they show it down to a quarter of the largest.
+    *_, gap = cycle
+    is_pole = gap.min() < gap.max() / POLE
+    return cycle[:2, gap >= (0.25 * gap.max() if is_pole else 0.0)].T
 
 
 def _shape(attractors: FoundAttractors) -> tuple[object, ...]:

@@ -242,6 +242,16 @@ def test_long_numbers_take_little_work() -> None:
     assert found.left_out.endswith("more than 100000 units of work are needed")
 
 
+@pytest.mark.parametrize("mu", ["-295/243", "-167/139"])
+def test_late_images_take_time_in_proportion_to_their_work(mu: str) -> None:
+    """Of hundreds of intervals, a step adds a few or changes the ends of a few."""
+    text = "Piecewise((x/2 + mu + 1, x < -1), (mu - 2*x, x < 1), (x/2 + mu - 1, True))"
+    budget = Budget(work=300_000)
+    with at_most(400_000):  # 190 000 and 330 000; where all were sorted and compared, 750 000
+        found = dynamics(PiecewiseLinearMap.from_sympy(text), {"mu": mu}, budget=budget).attractors
+    assert found.cause == "more than 300000 units of work are needed"
+
+
 def test_a_budget_that_is_used_up_leaves_bounds() -> None:
     few = dynamics(SKEW, {"a": "1/2", "b": "-7/3"}, budget=Budget(work=200)).entropy
     assert few.value is None

@@ -69,6 +69,19 @@ def test_special_points_beyond_all_attractors_are_on_the_axes() -> None:
     assert high > max(point.x for point in diagram.points if point.kind is PointKind.BC) == 1
 
 
+def test_a_pole_does_not_stretch_the_axes() -> None:
+    """-1/(1 - p) attracts for -1 < p < 1, up to 106707/106708 and in an open cell beyond (before:
+    axes down to -2e6); a quarter of 1 - p = 2 and less is too far away. At 3/2, 2 repels."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((p*x - 1, True))")
+    span = ("-3/2", "3/2")
+    found, diagram = attractor_diagram(map_, "p", span), bifurcation_diagram(map_, "p", span, (1,))
+    low, high = plot_attractors(found, map_, steps=12).ax.get_ylim()
+    assert (low, high) == pytest.approx((-2 - 0.18, -0.5 + 0.18), abs=0.4)
+    low, high = plot_long_run(diagram, found, map_, steps=60).ax.get_ylim()
+    assert -4 < low < -2
+    assert 2 < high < 12
+
+
 def test_long_cycles_are_drawn_where_they_are() -> None:
     """L R^3 of P1^L from 250/41 to 10: its points are those of the exact cycle."""
     map_ = PAPER.at({"a": "5/4"})
