@@ -25,15 +25,7 @@ class LinePiece(PieceView):
 
 
 class LineMap(NamedTuple):
-    """A map of the line as a map of R^1.
-
-    Parameters
-    ----------
-    own
-        The map of the line.
-    x_scale, p_scale
-        Lengths of x and of the parameter that count as 1.
-    """
+    """A map of the line as a map of R^1; the scales are lengths that count as 1."""
 
     own: pieces.PiecewiseMap
     x_scale: float = 1.0

@@ -110,12 +110,7 @@ def _force_guard(sets: IndexSets, kind: int, i: int, mu: Floats, forces: Balance
 class Local:
     """A mode at one state: motion, guards, and their derivatives, found when they are needed.
 
-    Attributes
-    ----------
-    sets
-        The index sets of the mode.
-    numbers
-        Accelerations, forces, guards with time derivatives, if they are compiled and finite.
+    ``numbers`` are accelerations, forces, guards with time derivatives, if compiled and finite.
     """
 
     def __init__(self, eq: Equations, mode: Mode, z: Floats, p: Floats) -> None:

@@ -74,14 +74,9 @@ def accumulated_by(
 class Accumulation:
     """Short flights and impacts in turns, as far as they have been followed.
 
-    Attributes
-    ----------
-    z, tangents, touch
-        The state (N,) that is reached, its derivatives (N, columns), and what touches.
-    is_open
-        Whether impulses of an impact were not unique.
-    flights
-        Steps for samples, with their starts; copies share them.
+    They have reached the state ``z`` (N,) with derivatives ``tangents`` (N, columns); ``touch`` is
+    what touches there. It ``is_open`` if impulses of an impact were not unique. ``flights`` are
+    steps for samples, with their starts; copies share them.
     """
 
     def __init__(

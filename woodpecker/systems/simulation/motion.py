@@ -138,14 +138,8 @@ def assembled(
 class Run:
     """A motion from a state until its return, or until a time, as far as it has been followed.
 
-    Parameters
-    ----------
-    eq, z, p
-        The equations, the state, which moves on, and the values of all parameters.
-    embedding
-        The section; None for a motion until the time ``t_end``.
-    events_most, keeps
-        Largest number of events; whether steps, with their starts, are kept for samples.
+    The state ``z`` moves on. Without the ``embedding`` of a section the motion ends at ``t_end``.
+    It ``keeps`` steps, with their starts, for samples.
     """
 
     def __init__(
