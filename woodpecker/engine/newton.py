@@ -110,7 +110,8 @@ class Problem:
         first = 0
         for condition, count in zip(self.conditions, counts, strict=True):
             if _stays_on(condition):
-                normal = rows[first] / norm(rows[first])
+                with np.errstate(invalid="ignore"):  # nan, and no step, if the margin is too steep
+                    normal = rows[first] / norm(rows[first])
                 along = rows @ normal
                 along[first] = 0.0
                 steep = np.abs(along) > STEEP

@@ -13,7 +13,7 @@ from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.germs import Beginning, beginnings, rotated_to_nearest
 from woodpecker.engine.maps import LIMIT_DISTANCE, Chain
-from woodpecker.engine.newton import cycles
+from woodpecker.engine.newton import cycles, solve
 from woodpecker.engine.orbits import Closed, Multiplier, OnBorder, orbit_of, with_unknowns
 from woodpecker.search.connected import connected
 
@@ -74,8 +74,11 @@ def test_a_margin_that_overflows_shows_no_way_inside() -> None:
     """Far out on a path of the toy a margin was infinite where it counts as zero: 1e215 beside."""
     orbit = orbit_of([LINES.pieces[0]], np.zeros((1, 1)), np.zeros(1))
     steep = orbit.images[0]._replace(gradients=np.array([[-np.inf, np.inf]]))
-    found = with_unknowns(orbit.with_image(0, steep), orbit.unknowns, (0,), along=True)
+    beside = orbit.with_image(0, steep)
+    found = with_unknowns(beside, orbit.unknowns, (0,), along=True)
     assert found.images[0].value.tolist() == [0.0]
+    problem = cycles((0,), (1.0,), (1.0,)).with_(OnBorder(0, 0))
+    assert not solve(problem, beside).converged
 
 
 def test_derivatives_of_multipliers_beside_a_root() -> None:
