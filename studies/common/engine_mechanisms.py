@@ -56,7 +56,7 @@ MECHANISMS: Final = (
     Mechanism(FOLLOWING, "extended_to_root", gives(None), "end at a root by the piece beyond"),
     Mechanism(ENDS, "_hides", gives(False), "go closer before a root"),
     Mechanism(ENDS, "_has_leapt", gives(False), "see a margin that leapt elsewhere"),
-    Mechanism(ENDS, "_without_flips_at_folds", argument(0), "no flip where a fold is"),
+    Mechanism(ENDS, "_told_apart", argument(0), "no flip where a fold is"),
     Mechanism(ENDS, "_look_for_dips", gives(None), "see a margin that dips"),
     Mechanism(ENDS, "_is_rounding", gives(False), "see what a step meets right at its end"),
     Mechanism(ENDS, "_sharper_test", argument(0), "locate a fold by its multiplier"),
