@@ -75,7 +75,7 @@ class _ThreadRoom:
         if not is_possible(self._toy, changes):
             there = self._toy.replace(**changes)
             changes = {name: getattr(there, name) for name in changes}
-        for name in before.keys() - changes.keys():
+        for name in before.keys() - changes.keys():  # back at the toy's own value
             due |= self._put(name, getattr(self._toy, name))
         for name, value in changes.items():
             if value != before.get(name):

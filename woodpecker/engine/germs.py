@@ -30,7 +30,6 @@ from woodpecker.engine.maps import (
     accumulated,
     chained,
     image_at,
-    on_section,
 )
 from woodpecker.engine.newton import MAP_ROUNDING, MERGED, Problem
 from woodpecker.engine.orbits import (
@@ -342,8 +341,8 @@ def joined(
     """The crossing, without tangent, between two limits, given the images before them, or None."""
     sides = limits[0][0], limits[1][0]
     border = shared(*sides, x[-1], p, base.problem.lengths)
-    if border is None or any(map(on_section, sides, border)):
-        return None  # what jumps on a section is no motion, but where it is cut into returns
+    if border is None:
+        return None
     inner, outer = map(chained, limits)
     last, rounds = len(heads), len(limits[0])  # how `chained` numbers margins
     ignored = frozenset(

@@ -137,10 +137,10 @@ def slopes_of(piece: SpacePiece, x: Floats, p: Floats) -> Floats:
     return np.full((len(x), len(x)), np.nan) if image.reason else image.jacobian[:, : len(x)]
 
 
-def on_section(image: SpaceImage, codes: Sequence[int]) -> bool:
+def on_section(image: SpaceImage, code: int) -> bool:
     """Whether a margin vanishes as an event falls on a section, by a method of the piece if any."""
     told = getattr(first_piece_of(image), "on_section", None)
-    return told is not None and any(map(told, codes))
+    return told is not None and bool(told(code))
 
 
 class SpaceMap(Protocol):

@@ -299,7 +299,7 @@ def _across_section(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning 
     orbit, problem = end.orbit, curve.problem
     (n, d), p = orbit.x.shape, orbit.p
     k = (i + 1) % n
-    if not on_section(orbit.images[i], [code]) or problem.same(outer.value, orbit.x[k], SAME):
+    if not on_section(orbit.images[i], code) or problem.same(outer.value, orbit.x[k], SAME):
         return None
     way, x, along = curve.motion(end, i), orbit.x.copy(), end.tangent.copy()
     x[k], ahead = outer.value, outer.jacobian @ way

@@ -240,8 +240,8 @@ def keys_of(orbit: SpaceOrbit, problem: Problem) -> Keys:
         length, key = length_of(image), first_piece_of(image).key if is_line else image.piece.key
         side = turns * np.sign(image.gradients[:, 0])
         zero = [code for code in codes if code % length == 0]
-        sides |= {(key, code // length, side[image.index_of(code)]) for code in zero}
-        sides |= set() if zero else {(key, -1, 0.0)}
+        found = {(key, code // length, side[image.index_of(code)]) for code in zero}
+        sides |= found or {(key, -1, 0.0)}
     # On the line the border alone determines the place of a jump; in R^d all pieces of both limits.
     last = frozenset(sides) if is_line else frozenset([frozenset(sides)])
     return *(image.piece.key for image in orbit.images[:-1]), last
