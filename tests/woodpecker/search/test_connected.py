@@ -125,6 +125,31 @@ def test_a_grazing_that_folds(x: float) -> None:
     assert notes(diagram, "BC") == ["fold"]
 
 
+@pytest.mark.parametrize(("alpha", "m"), [(0.2, 6), (0.5, 10)])
+def test_a_cycle_grazes_at_a_root_that_holds_it_close_to_the_border(alpha: float, m: int) -> None:
+    """With one impact in m steps, s^2 + alpha^(m-1) s = c p, until it grazes where s^2 = p.
+
+    The cycle with two impacts that goes back from there is as far from the border as 1e-9 times the
+    square of the distance in p, both in units of the window.
+    """
+    x, p = symbols("x p")
+    grazes = Piecewise((alpha * x + p, x <= 0), (p - sympy.sqrt(x), True))
+    map_ = from_sympy(grazes, x, p, words=("L", "R"))
+    a, c = alpha ** (m - 1), (1.0 - alpha**m) / (1.0 - alpha)
+    border = (alpha ** (m - 2) * (1.0 - alpha) / (1.0 - a)) ** 2
+    at, size = 0.5 * border, 4.0 * math.sqrt(1.5 * border)
+    points = [(0.5 * (math.sqrt(a * a + 4.0 * c * at) - a)) ** 2]
+    while len(points) < m:
+        points.append(map_.at(points[-1], at).value)
+    settings = Settings(span=(0.4 * border, 1.5 * border), window=(-size, size))  # no flip
+    diagram = continued(map_, points, at, settings)
+    grazings = points_of(diagram, "BC")
+    assert [point.parameter for point in grazings] == pytest.approx(m * [border], rel=1e-12)
+    assert notes(diagram, "BC") == m * ["fold"]
+    impacts = [branch.word.count("R") for branch in diagram.branches]
+    assert sorted(impacts) == m * [1] + m * [2]
+
+
 def test_a_fall_ends_a_branch() -> None:
     diagram = explored(lost_beyond(1.0), 0.0, 0.0, (-1.0, 1.0))
     assert_graph(diagram, chain("EP F FALL"))
