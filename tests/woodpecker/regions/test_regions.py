@@ -151,7 +151,7 @@ def test_a_curve_that_ends_right_beside_another_cuts_a_face() -> None:
 
 
 def test_a_curve_is_whole_where_its_jump_closes() -> None:
-    """At one sample nothing happens; between two of them there is no border (before: three gaps)."""
+    """At one sample nothing happens, between two of them there is no border (before: gaps)."""
     border, spans = border_curve(), ((-1.0, 1.0), (1.1, 2.0))
     notes = ["fold"] * len(border)
     for k in (3, 7, 8):
