@@ -448,16 +448,16 @@ def plot_map(
         )
     shown: Artists = {name: [] for name in WITHOUT_LEGEND}
     shown["diagonal"] = [*ax.plot([low, high], [low, high], color=GREY, linewidth=0.8, zorder=1)]
-    within, ends = pieces_within(map_, (low, high))
+    within, marked = pieces_within(map_, (low, high))
     for piece in within:
         shown["pieces"] += ax.plot(*zip(*piece, strict=True), color=INK, linewidth=1.5,
                                    solid_capstyle="butt")  # fmt: skip
-    for x, y, closed in ends:
+    for x, y, closed in marked:
         face = INK if closed else "white"
         shown["ends"] += ax.plot(x, y, "o", markersize=3.4, mfc=face, mec=INK, mew=0.9, zorder=4)
     for band in map_.fixed_intervals():
-        line = np.clip([float(band.interval.inf), float(band.interval.sup)], low, high)
-        add(shown, {FIXED_BAND: ax.plot(line, line, **NEUTRAL, zorder=1.5)})
+        ends = np.clip([float(band.interval.inf), float(band.interval.sup)], low, high)
+        add(shown, {FIXED_BAND: ax.plot(ends, ends, **NEUTRAL, zorder=1.5)})
     for crossing in map_.jump_crossings():
         x, limits = float(crossing.x), (float(crossing.left), float(crossing.right))
         line = ax.plot([x, x], limits, color=JUMP, linestyle=(0, (1, 1.3)), linewidth=1.6)
