@@ -221,7 +221,7 @@ def _listed(
 
 
 def _entropy(ax: Axes, raster: PlaneRaster) -> list[Patch]:
-    most = float(np.nanmax(raster.entropy)) or math.log(2.0)  # if all are 0, that of the full tent
+    most = float(raster.entropy.max()) or math.log(2.0)  # if all are 0, that of the full tent
     mesh = ax.pcolormesh(*_corners(raster), raster.entropy, cmap="YlGnBu", vmin=0.0, vmax=most,
                          rasterized=True)  # fmt: skip
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
