@@ -41,6 +41,8 @@ from pwmap.diagrams.record import attributes
 from pwmap.diagrams.saved import read_record, write_record
 from pwmap.diagrams.shown import counted, listed, table, tally
 
+FILLED = "intervals"  # key in ``about``: orders whose fixed points fill intervals, which are no
+# branches
 ASSUMED = "assumed"  # key in ``about`` of a symbolic diagram: assumptions on other parameters
 
 
@@ -141,6 +143,12 @@ class Diagram:
         return tuple(re.sub("[<>]=", "=", each) for each in closed)
 
     @property
+    def filled(self) -> list[int]:
+        """The orders whose fixed points fill intervals, of which at most the ends are branches."""
+        found = self.about.get(FILLED)
+        return [n for n in found if type(n) is int] if isinstance(found, list | tuple) else []
+
+    @property
     def _head(self) -> str:
         """The first line of the repr: parameter and numbers of branches and points."""
         part, points = self.in_part, counted(len(self.points), "special point")
@@ -155,6 +163,8 @@ class Diagram:
             kinds.setdefault(branch.order, []).append(branch.kind)
         lines = [f"Diagram({self._head}"]
         lines += [f"order {order}: {tally(kinds[order])}" for order in sorted(kinds)]
+        if self.filled:
+            lines.append(f"intervals of fixed points: {', '.join(f'P_{n}' for n in self.filled)}")
         if self.points:
             lines.append(f"points: {tally(point.kind for point in self.points)}")
         return "\n    ".join(lines) + ")"
@@ -248,7 +258,9 @@ class Diagram:
     def of_order(self, order: int) -> Diagram:
         """The branches of one iterate, and the points they end in."""
         wanted = checked_count(order, "order")
-        return self._part([branch for branch in self.branches if branch.order == wanted])
+        part = self._part([branch for branch in self.branches if branch.order == wanted])
+        filled = {FILLED: [wanted] * (wanted in self.filled)} if self.filled else {}
+        return replace(part, about={**part.about, **filled})
 
     def within(self, low: object, high: object) -> Diagram:
         """All branches, uncut, that exist somewhere from ``low`` to ``high``, and their ends.

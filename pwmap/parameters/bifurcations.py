@@ -28,7 +28,7 @@ from pwmap.diagrams.data import (
     SpecialPoint,
     Stretch,
 )
-from pwmap.diagrams.diagram import ASSUMED, Diagram
+from pwmap.diagrams.diagram import ASSUMED, FILLED, Diagram
 from pwmap.diagrams.record import program
 from pwmap.diagrams.shown import listed
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, Meter, Progress, Report, metered
@@ -88,7 +88,8 @@ def bifurcation_diagram(
         side. Branches that exist at an end of the span only are left out.
     orders
         The iterates. A periodic point is listed with its minimal period only, a jump crossing with
-        every order, a band (where an iterate is the identity) by the ends that belong to it.
+        every order, a band (where an iterate is the identity) by the ends that belong to it, and
+        its order in :attr:`Diagram.filled`.
     sample
         Values of symbolic parameters, at which floats are taken and around which the formulas
         hold; by default values that the assumptions admit.
@@ -242,7 +243,7 @@ def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
         names = tuple(dict.fromkeys(branch_ids[tip] for tip in tips))
         point = _point(continuation, junction, f"{kind}{next(counts[kind])}", kind, note, names)
         points.update(dict.fromkeys(tips, point))
-    axis = continuation.axis
+    axis, filled = continuation.axis, [n for n in continuation.filled if n in orders]
     return Diagram(
         parameter_name=axis.name,
         x_name=str(map_.x),
@@ -255,6 +256,7 @@ def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
             "map": _text(map_),
             "orders": [*orders],
             **_assumed(map_, axis),
+            **({FILLED: filled} if filled else {}),
         },
     )
 

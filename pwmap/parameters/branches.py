@@ -282,6 +282,20 @@ class Continuation:
             ]
         return found
 
+    @property
+    def filled(self) -> list[int]:
+        """The orders whose periodic points fill intervals, not at one value of the parameter only.
+
+        Of such an interval only the ends that belong to it are branches.
+        """
+        return sorted({
+            order
+            for cell in self.cells
+            if not cell.is_edge
+            for order, cylinder in _identities(cell)
+            if self._is_own(cylinder, Inclusion.BAND, order, cell.oracle)
+        })  # fmt: skip
+
     def _parted(
         self, cylinder: Cylinder, place: Any, junctions: Sequence[Junction]
     ) -> Iterator[Segment]:

@@ -36,6 +36,7 @@ from pwmap.diagrams.data import (
     stable_inside,
 )
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.shown import listed
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, stairs, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
@@ -45,6 +46,8 @@ from pwmap.plot.palette import named as period_named
 STABLE, UNSTABLE, JUMP, WORD = of_period(1), "#d95f0e", "#238b45", "#737373"
 INK, GREY, VIOLET = "#252525", "#969696", "#6a51a3"
 BAND = "#c6dbef"
+FIXED_BAND = "interval of fixed points"
+NEUTRAL: dict[str, Any] = {"color": STABLE, "alpha": 0.35, "linewidth": 6.0}
 PERIODS_NAMED = tuple(period_named(k + 1) for k in range(len(PERIODS)))
 NAMES = "names"  # key of the labels of points and curves among the artists of a picture
 WIDTHS = (1.25, 1.0, 0.85, 0.75)  # relative line widths of the lowest order, the next, ...
@@ -136,6 +139,11 @@ def plot_diagram(
     if words:
         marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
         shown["word change"] = [marks]
+    if diagram.filled:
+        iterates = listed(f"$P_{{{order}}}$" for order in diagram.filled)
+        shown[f"not drawn: intervals of fixed points of {iterates}"] = [
+            Line2D([], [], linestyle="")
+        ]
     kinds_of_points = (kind.label for kind in PointKind)
     styled(shown, styles, (*STYLES, *kinds_of_points, "bands", "word change", *PERIODS_NAMED))
     place_legend(ax, shown, legend, order_samples(diagram, shown, styles))
@@ -382,7 +390,10 @@ def axis_label(name: str) -> str:
         "c_phi": r"$c_\varphi$ [N m/rad]",
         "g": r"$g$ [m/s$^2$]",
     }
-    return known.get(name, f"${sympy.latex(sympy.Symbol(name))}$" if name.isidentifier() else name)
+    latex = sympy.latex(sympy.Symbol(name)).replace(
+        " ", r"\ "
+    )  # of a name with several underscores
+    return known.get(name, f"${latex}$" if name.isidentifier() else name)
 
 
 # --- Maps -----------------------------------------------------------------------------------------
@@ -437,13 +448,16 @@ def plot_map(
         )
     shown: Artists = {name: [] for name in WITHOUT_LEGEND}
     shown["diagonal"] = [*ax.plot([low, high], [low, high], color=GREY, linewidth=0.8, zorder=1)]
-    within, ends = pieces_within(map_, (low, high))
+    within, marked = pieces_within(map_, (low, high))
     for piece in within:
         shown["pieces"] += ax.plot(*zip(*piece, strict=True), color=INK, linewidth=1.5,
                                    solid_capstyle="butt")  # fmt: skip
-    for x, y, closed in ends:
+    for x, y, closed in marked:
         face = INK if closed else "white"
         shown["ends"] += ax.plot(x, y, "o", markersize=3.4, mfc=face, mec=INK, mew=0.9, zorder=4)
+    for band in map_.fixed_intervals():
+        ends = np.clip([float(band.interval.inf), float(band.interval.sup)], low, high)
+        add(shown, {FIXED_BAND: ax.plot(ends, ends, **NEUTRAL, zorder=1.5)})
     for crossing in map_.jump_crossings():
         x, limits = float(crossing.x), (float(crossing.left), float(crossing.right))
         line = ax.plot([x, x], limits, color=JUMP, linestyle=(0, (1, 1.3)), linewidth=1.6)
@@ -465,7 +479,8 @@ def plot_map(
 
 def _styled(ax: Axes, shown: Artists, styles: Styles | None, legend: bool = True) -> Drawn:
     """Finish the picture of a map: apply styles, draw a legend."""
-    styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
+    points = "jump crossing", "stable fixed point", "unstable fixed point"
+    styled(shown, styles, (*points, FIXED_BAND))
     explained = {name: each for name, each in shown.items() if name not in WITHOUT_LEGEND}
     place_legend(ax, explained, legend, _ENDS if shown["ends"] else None)
     return Drawn((ax,), shown)

@@ -10,6 +10,7 @@ import numpy as np
 import sympy
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from sympy import QQ
@@ -59,7 +60,7 @@ SHADES = (  # of bands, by how many attractors lie below theirs
     ("bands", BAND), ("bands of a second attractor", "#8fb3d9"),
     ("bands of further attractors", "#5f86b3"),
 )  # fmt: skip
-DRAWN_EXTENT = 1e3  # neutral intervals, which may be infinite, are cut off at plus and minus this
+BEYOND = 10.0  # heights of the axes by which neutral intervals without end go on beyond them
 UNKNOWN = "#eeeeee"
 # a pale face shows also those that are too thin for a hatch
 HATCHED: dict[str, Any] = {
@@ -145,6 +146,7 @@ def plot_long_run(
     for name in shown.keys() & every.keys():  # crises that are points of the diagram, too
         every[name], shown[name] = [*shown[name], *every[name]], []
     add(every, shown)
+    _without_end(ax, every.get(NEUTRAL, ()))
     styled(every, styles, KNOWN)
     if legend:
         _legend_below(ax, every, order_samples(diagram, every, styles))
@@ -181,6 +183,7 @@ def plot_attractors(
     """
     check_kind("found", found, AttractorDiagram)
     ax, shown = _draw_attractors(found, map_, ax, steps)
+    _without_end(ax, shown.get(NEUTRAL, ()))
     ax.set(xlabel=axis_label(str(found.parameter)), ylabel=axis_label(str(map_.x)))
     styled(shown, styles, KNOWN)
     if shown:
@@ -250,14 +253,14 @@ def _areas(
             name, color = SHADES[min(number, len(SHADES) - 1)]
             bands, neutral = [a.bands for a in attractors], [a.neutral for a in attractors]
             shade: dict[str, Any] = {"color": color, "zorder": 0.5}
-            for label, areas, far, look in (
-                (name, bands, np.inf, shade), (NEUTRAL, neutral, DRAWN_EXTENT, HATCHED),
-            ):  # fmt: skip
+            for label, areas, look in ((name, bands, shade), (NEUTRAL, neutral, HATCHED)):
                 for row in zip(*areas, strict=True):
-                    below = to_ends(over, [max(float(each.start), -far) for each in row])
-                    above = to_ends(over, [min(float(each.end), far) for each in row])
-                    area = ax.fill_between(over, below, above, linewidth=0.0, **look)
-                    add(shown, {label: [area]})
+                    below = to_ends(over, [float(each.start) for each in row])
+                    above = to_ends(over, [float(each.end) for each in row])
+                    outline = np.column_stack([[*over, *over[::-1]], [*below, *above[::-1]]])
+                    ax.update_datalim(outline[np.isfinite(outline[:, 1])])
+                    area = PolyCollection([outline], linewidth=0.0, **look)
+                    add(shown, {label: [ax.add_collection(area, autolim=False)]})
             period, gaps = len(attractors[0].points), list[float]()
             if period:
                 gaps = [1.0 - float(a.multiplier) for a in attractors]
@@ -275,6 +278,16 @@ def _areas(
                 # a line first: the legend shows it
                 shown[name] = [ax.add_artist(line), *shown.get(name, [])]
         first = last + 1
+
+
+def _without_end(ax: Axes, areas: Sequence[Any]) -> None:
+    """Let areas without end go on beyond the axes, of which they leave the limits to the others."""
+    low, high = ax.get_ylim()
+    far = BEYOND * (high - low)
+    for area in areas:
+        ends = area.get_paths()[0].vertices.copy()
+        ends[ends == -np.inf], ends[ends == np.inf] = low - far, high + far
+        area.set_verts([ends])
 
 
 def _before_pole(cycle: FloatArray) -> FloatArray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -220,7 +221,8 @@ def _listed(
 
 
 def _entropy(ax: Axes, raster: PlaneRaster) -> list[Patch]:
-    mesh = ax.pcolormesh(*_corners(raster), raster.entropy, cmap="YlGnBu", vmin=0.0,
+    most = float(raster.entropy.max()) or math.log(2.0)  # if all are 0, that of the full tent
+    mesh = ax.pcolormesh(*_corners(raster), raster.entropy, cmap="YlGnBu", vmin=0.0, vmax=most,
                          rasterized=True)  # fmt: skip
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
     bar.set_label("topological entropy", fontsize=sized(8))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import networkx as nx
 import numpy as np
@@ -21,6 +21,8 @@ from woodpecker.plane.families import Pair, Spans
 
 GRID = 1e-10  # points this close coincide: curves meet up to rounding only
 SQUARE = shapely.box(0.0, 0.0, 1.0, 1.0)
+OFF = 0.1 / math.sqrt(2.0), 0.1 / math.sqrt(3.0)  # from the centre of a circle, as parts of its
+# radius: borders of words, on which cycles are not counted, often pass through the very centre
 NOTHING_HAPPENS = "word change"  # note of a border at which neither cycles nor stability change
 
 
@@ -44,11 +46,13 @@ def lines_of(curves: Iterable[Curve], spans: Spans, near: float) -> MultiLineStr
     """
     lines = list[LineString]()
     for curve in curves:
-        points = scaled(curve.values, spans)
-        for _, note, first, last in curve.stretches():
-            part = points[first : last + 2]
-            if note != NOTHING_HAPPENS and len(part) > 1:
-                lines.append(LineString(part))
+        points, quiet = scaled(curve.values, spans), np.array(curve.notes) == NOTHING_HAPPENS
+        # at a point of codimension two, where a jump closes, the note is that of the point alone
+        happens = ~(quiet[:-1] & quiet[1:])
+        for drawn, run in groupby(range(len(happens)), happens.__getitem__):
+            first, *rest = run
+            if drawn:
+                lines.append(LineString(points[first : first + len(rest) + 2]))
     return MultiLineString([*lines, *_links(lines, near)])
 
 
@@ -70,10 +74,10 @@ def faces_of(lines: MultiLineString) -> list[Polygon]:
 
 
 def inner_place(face: Polygon) -> tuple[Pair, float]:
-    """The centre and radius of a nearly largest circle inside a face."""
+    """A place beside the centre of a nearly largest circle inside a face, and its radius."""
     circle = shapely.maximum_inscribed_circle(face, tolerance=0.01 * np.sqrt(face.area))
-    x, y = circle.coords[0]
-    return (float(x), float(y)), float(circle.length)
+    (x, y), radius = circle.coords[0], float(circle.length)
+    return (float(x) + OFF[0] * radius, float(y) + OFF[1] * radius), radius
 
 
 def faces_of_places(places: Sequence[Pair], faces: Sequence[Polygon]) -> list[int]:

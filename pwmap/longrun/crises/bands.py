@@ -183,9 +183,9 @@ def _near(
 
 
 def to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
-    """Values at inner places, extrapolated linearly to both ends from the nearest two."""
-    if len(values) == 1:
-        return [*values, *values, *values]
+    """Values at inner places, extrapolated linearly to both ends where all are finite."""
+    if len(values) == 1 or not np.isfinite(values).all():
+        return [values[0], *values, values[-1]]
     first, last = (
         values[i] + (values[i] - values[j]) * (over[end] - over[m]) / (over[m] - over[n])
         for end, i, j, m, n in ((0, 0, 1, 1, 2), (-1, -1, -2, -2, -3))

@@ -120,6 +120,27 @@ def test_neutral_intervals_are_hatched_where_they_are() -> None:
     assert explained(ax) == ["neutral intervals"]
 
 
+def test_neutral_intervals_without_end_leave_the_axes_to_the_branches() -> None:
+    """Of p - x all points have the period 2 (before: axes from -1120 to 1120, p/2 a flat line)."""
+    map_, span = PiecewiseLinearMap.from_sympy("p - x"), (-1, 1)
+    drawn = plot_long_run(
+        bifurcation_diagram(map_, "p", span), attractor_diagram(map_, "p", span), map_, steps=6
+    )
+    low, high = drawn.ax.get_ylim()
+    assert -0.6 < low < -0.5
+    assert 0.5 < high < 0.6
+    # those of x end at 0, those of p - x at 0 and p (before: cut off at -1000 and 1000)
+    large = PiecewiseLinearMap.from_sympy("Piecewise((x, x <= 0), (p - x, True))")
+    span = (-(10**6), 10**6)
+    ax = plot_attractors(attractor_diagram(large, "p", span), large, steps=6).ax
+    low, high = ax.get_ylim()
+    assert (low, high) == pytest.approx((-0.12e6, 1.12e6))
+    ends = [area.get_paths()[0].vertices[:, 1] for area in ax.collections]
+    assert min(x.min() for x in ends) < low - 1e6
+    assert max(x.max() for x in ends) == 1e6
+    assert all(np.isfinite(x).all() for x in ends)
+
+
 @pytest.mark.parametrize(("shift", "strips"), [(Rational(0), 1), (Rational(1, 10**5), 0)])
 def test_places_at_which_attractors_are_open_are_grey(shift: Rational, strips: int) -> None:
     """At -9/7 a side of a break attracts; a place close to it, where a cycle does, stands for it.

@@ -150,6 +150,44 @@ def test_a_curve_that_ends_right_beside_another_cuts_a_face() -> None:
     assert areas == pytest.approx([0.5 * 4 / 9, 0.5 * 5 / 9, 0.5], rel=1e-9)
 
 
+def test_a_curve_is_whole_where_its_jump_closes() -> None:
+    """At one sample nothing happens, between two of them there is no border (before: gaps)."""
+    border, spans = border_curve(), ((-1.0, 1.0), (1.1, 2.0))
+    notes = ["fold"] * len(border)
+    for k in (3, 7, 8):
+        notes[k] = "word change"
+    lines = lines_of([replace(border, notes=tuple(notes))], spans, 1e-9)
+    quiet = float(border.values[8, 1] - border.values[7, 1]) / 0.9  # along the border, r = 0
+    assert lines.length == pytest.approx(lines_of([border], spans, 1e-9).length - quiet, abs=1e-9)
+    assert len(lines.geoms) == 2
+
+
+@pytest.mark.slow
+def test_constants_on_both_sides_have_a_region_in_each_quadrant() -> None:
+    """f = p for x < 0, f = q beyond: each lies on its own side or not, and if neither does, they
+    make a cycle of two (before: three regions were one, with eleven places that disagree)."""
+    family = family_from_sympy(sympy.Piecewise((R, X < 0), (A, True)), X, (R, A))
+    found = parameter_regions(
+        family, ("r", "a"), ((-1, 1), (-1, 1)), window=(-4, 4), orders=(1, 2),
+        survey=Survey(checks=20),
+    )  # fmt: skip
+    assert found.open == ()
+    assert [region.share for region in found.regions] == pytest.approx([0.25] * 4, abs=1e-4)
+    for r, a in ((-0.5, 0.5), (-0.5, -0.5), (0.5, 0.5), (0.5, -0.5)):
+        one = (r < 0) + (a >= 0)
+        assert found.at(r, a).census == ((1, one, 0), (2, one == 0, 0))
+
+
+def test_no_place_of_a_region_lies_on_the_middle_of_its_square() -> None:
+    """There a fixed point passes the break, and is not counted (before: one place disagreed)."""
+    formula = sympy.Piecewise((X / 2 + R + A / 10**30, X < 0), (X / 3 + R, True))
+    family = family_from_sympy(formula, X, (R, A))
+    few = Survey(checks=5, starts=2, transient=20, keep=8)
+    found = parameter_regions(family, ("r", "a"), ((-1, 1), (-1, 1)), window=(-4, 4), survey=few)
+    assert found.open == ()
+    assert [region.census for region in found.regions] == [((1, 1, 0),)]
+
+
 @NIGHTLY_TOY
 def test_regions_of_the_toy_beside_the_flip() -> None:
     """Right of the flip at 0.6485 the cycle is unstable; shooting says the same."""
