@@ -70,8 +70,10 @@ def of_a_cell() -> ParameterPlane:
     return parameter_plane(cell.map, "a", "b", ("1/3", "1/2"), ("-2", "-3/2"))
 
 
-PLANES = (with_algebraic_ends, with_curved_cells, with_assumptions, with_crisis, broken_off,
-          of_a_cell)  # fmt: skip
+PLANES = (
+    pytest.param(with_algebraic_ends, marks=pytest.mark.slow), with_curved_cells, with_assumptions,
+    with_crisis, broken_off, of_a_cell,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("made", PLANES, ids=lambda made: made.__name__)

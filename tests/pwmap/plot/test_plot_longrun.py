@@ -173,6 +173,7 @@ def test_the_entropy_of_the_tent_map_is_drawn_between_its_bounds() -> None:
     assert explained(ax)[0].startswith("between bounds, at most ")
 
 
+@pytest.mark.slow
 def test_an_entropy_of_zero_is_not_drawn_on_the_frame() -> None:
     bottom, top = plot_entropy(TENT, "a", ("1/2", 2), steps=3, orders=(4,)).ax.get_ylim()
     assert -0.1 * top < bottom < -0.01 * top

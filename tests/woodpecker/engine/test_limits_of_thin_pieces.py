@@ -95,7 +95,9 @@ def test_without_a_common_limit_there_is_none() -> None:
         assert accumulated(line, AT, AT, -right, UNITS) is None  # there is one piece
 
 
-@pytest.mark.parametrize("searched", [True, False], ids=["search", "continuation"])
+@pytest.mark.parametrize(
+    "searched", [pytest.param(True, marks=pytest.mark.slow), False], ids=["search", "continuation"]
+)
 def test_a_cycle_ends_in_such_a_crossing(searched: bool) -> None:
     """The fixed point (p + 1)/2 of what rests ends at p = 1 in the crossing, x = p."""
     map_ = Bouncing()
@@ -117,6 +119,7 @@ def test_a_cycle_ends_in_such_a_crossing(searched: bool) -> None:
         assert all(point.status is PointStatus.LOCATED for point in found.points)
 
 
+@pytest.mark.slow
 def test_chains_of_fold_flips_end_where_it_begins() -> None:
     """At p = -1 the lower limit is on the diagonal: tooth by tooth cycles and jumps come there."""
     found = bifurcation_diagram(Bouncing(), "p", (-1.5, 0.0), (1,), (-3.0, 3.0))
@@ -129,6 +132,7 @@ def test_chains_of_fold_flips_end_where_it_begins() -> None:
     assert sum(point.kind is PointKind.FF for point in found.points) > 10
 
 
+@pytest.mark.slow
 def test_the_limit_of_a_chain_is_where_the_crossing_ends() -> None:
     """Links of bent teeth shrink by 0.4 in the limit only: where the chain ends is a guess.
 

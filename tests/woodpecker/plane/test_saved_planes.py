@@ -73,6 +73,7 @@ def test_a_damaged_curve_is_refused_when_it_is_read(damage: str, tmp_path: Path)
     assert re.search(r": [\w ]+ of (this|a) curve must ", refusal(load_curve, path))
 
 
+@pytest.mark.slow
 def test_damaged_regions_are_refused_when_they_are_read(tmp_path: Path) -> None:
     def refused(change: Callable[[Any], object]) -> str:
         path = paper_regions().save(tmp_path / "regions.json")

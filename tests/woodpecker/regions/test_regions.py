@@ -81,6 +81,7 @@ def test_the_exact_plane_of_pwmap_agrees() -> None:
     assert compared == 3 + 3 + 4  # below a = 1, up to where 2 a/(a - 1) leaves the span, beyond
 
 
+@pytest.mark.slow
 def test_a_place_on_a_border_is_in_no_region() -> None:
     with pytest.raises(ValueError, match="within a region"):
         of_the_paper().at(10.0, 1.0)

@@ -434,7 +434,13 @@ def test_a_flip_is_degenerate_where_all_points_nearby_have_twice_its_period(
         (("1/7 - p", "p/2 + x/2 - 6/7"), "3/4", ("-17/28", "-11/14"), "fold"),  # 1/7 - p = 3/4
         (("p + 5/7", "p + x/2 - 10/7"), "0", ("-5/7", "-15/7"), "fold"),  # p + 5/7 = 0
         # slopes 2 and 1/2 have the product 1: all cycles of period two have one parameter
-        (("p/2 + 2*x + 10/7", "p/2 + x/2 - 1"), "-3/2", ("8/21", "-29/21"), INTERVAL),
+        pytest.param(
+            ("p/2 + 2*x + 10/7", "p/2 + x/2 - 1"),
+            "-3/2",
+            ("8/21", "-29/21"),
+            INTERVAL,
+            marks=pytest.mark.slow,
+        ),
     ],
 )
 def test_what_a_cycle_of_period_two_meets_beside_flat_and_neutral_pieces(

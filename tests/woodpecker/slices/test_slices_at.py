@@ -149,6 +149,7 @@ def test_a_turning_point_is_met() -> None:
     assert branches.inverse(k, y) == pytest.approx(x, abs=1e-4)  # an inverse is not
 
 
+@pytest.mark.slow
 def test_cycles_that_fill_an_interval_are_on_no_branch() -> None:
     """x for x < 0, which is fixed everywhere, and a reflection, whose second iterate is."""
     x, p = symbols("x p")

@@ -174,7 +174,7 @@ def test_the_root_of_a_negative_number_is_no_force(backend: str) -> None:
         (sympy.exp(X), math.pi / math.sqrt(2.0 * math.e)),
         (sympy.exp(V), 1.0),  # exp(-v) = 1 - t
         # cosh(t) has no double beyond 710, and its series none at all some time before
-        (X, None),
+        pytest.param(X, None, marks=pytest.mark.slow),
     ],
 )
 def test_motions_to_infinity_say_so_and_are_kept(
