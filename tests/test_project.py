@@ -18,8 +18,11 @@ def text_of(name: str) -> str:
 
 
 def test_one_version() -> None:
-    (cited,) = re.findall(r"^version: (.+)$", text_of("CITATION.cff"), flags=re.MULTILINE)
-    assert cited == PROJECT["version"]
+    cff, bib = text_of("CITATION.cff"), text_of("references.bib")
+    assert re.findall(r"^version: (.+)$", cff, flags=re.MULTILINE) == [PROJECT["version"]]
+    assert re.findall(r"version = \{(.+)\}", bib) == [PROJECT["version"]]
+    (year,) = re.findall(r"^date-released: (\d+)", cff, flags=re.MULTILINE)
+    assert f"year    = {{{year}}}" in bib
 
 
 def test_one_list_of_pythons() -> None:

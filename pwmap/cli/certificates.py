@@ -103,7 +103,7 @@ def check_files(
 ) -> None:
     """Verify certificates from their files alone, and print what they prove.
 
-    The exit status is 1 if one of them is refused.
+    The exit status is 1 if one of them is refused. Example: pwmap check certificate.json
     """
     check_each(
         files, pwmap.check_certificate, "{}: {}", lambda name, why: f"{name} is refused: {why}"

@@ -57,7 +57,9 @@ Formats = Annotated[
 ]
 TableFormat = Annotated[
     list[Format] | None,
-    typer.Option("--format", help="csv or json for the tables on stdout; sentences go to stderr."),
+    typer.Option(
+        "--format", help="For the tables on stdout; sentences go to stderr.", metavar="<csv|json>"
+    ),
 ]
 _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
 _pictures: ContextVar[tuple[Format, ...]] = ContextVar("_pictures")

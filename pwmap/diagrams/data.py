@@ -213,6 +213,12 @@ class Branch:
             return np.full(len(self), self.attracts)
         return attracting(self.multiplier)
 
+    @property
+    def stability(self) -> str:
+        """Of its inside: ``"stable"``, ``"unstable"`` or ``"partly stable"``; empty for jumps."""
+        words = {"yes": "stable", "no": "unstable", "partly": "partly stable"}
+        return "" if self.kind is BranchKind.JUMP else words[share_stable(self)]
+
     def to_dataframe(self) -> DataFrame:
         """The samples as rows of a pandas DataFrame; ImportError without pandas.
 
@@ -225,10 +231,10 @@ class Branch:
         return int(self.parameter.size)
 
     def __repr__(self) -> str:
-        stable = "" if self.kind is BranchKind.JUMP else f"stable: {share_stable(self)}, "
+        stability = f"{self.stability}, " if self.stability else ""
         return (
             f"Branch({self.id}: {self.kind} of order {self.order}, {counted(len(self), 'sample')}, "
-            f"parameter {span(self.parameter)}, x {span(self.x)}, {stable}"
+            f"parameter {span(self.parameter)}, x {span(self.x)}, {stability}"
             f"from {self.ends[0]} to {self.ends[1]}, word {brief(self.word)!r})"
         )
 

@@ -32,6 +32,8 @@ from pwmap.algebra.terms import Operation, Term, plain_name
 from pwmap.maps.profiles import Profile, ProfileLine, slot_name
 from pwmap.maps.words import Layout, Table
 
+NOT_AFFINE = "the piece {} is not affine in {}; woodpecker.from_sympy takes maps with curved pieces"
+
 
 @dataclass(frozen=True, slots=True)
 class Definition:
@@ -128,7 +130,7 @@ def _formula(term: Term, line: ProfileLine) -> Profile:
     try:
         return line.formula(term)
     except NotPolynomialError:
-        raise ValueError(f"the piece {term} is not affine in {line.x}") from None
+        raise ValueError(NOT_AFFINE.format(term, line.x)) from None
 
 
 def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> AssumedRegion:
@@ -159,7 +161,7 @@ def _affine(
     if value is None:
         raise ValueError(f"there is a gap: no piece of {formula} covers {slot()}")
     if len(value.top) > 2:
-        raise ValueError(f"the piece {formula} is not affine in {x}")
+        raise ValueError(NOT_AFFINE.format(formula, x))
     zero = value.bottom - value.bottom
     intercept, slope = (*value.top, zero, zero)[:2]
     return Affine(cancelled((slope, value.bottom)), cancelled((intercept, value.bottom)))

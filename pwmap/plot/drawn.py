@@ -8,6 +8,7 @@ from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib import rcParamsDefault
 from matplotlib.artist import Artist, ArtistInspector
 from matplotlib.axes import Axes
 from matplotlib.cbook import strip_math
@@ -48,10 +49,17 @@ class Drawn:
         return self.axes[0].figure
 
 
+def figure_of(width: float, height: float) -> Figure:
+    """A new figure of a size [inch], unless matplotlib's ``figure.figsize`` was changed."""
+    own = plt.rcParams["figure.figsize"]
+    kept = list(own) == list(rcParamsDefault["figure.figsize"])
+    return plt.figure(figsize=(width, height) if kept else own, layout="constrained")
+
+
 def axes_for(ax: Axes | None, width: float, height: float) -> Axes:
     """The given axes, or new ones in a figure of a size [inch]; TypeError if they are no axes."""
     if ax is None:
-        return plt.figure(figsize=(width, height), layout="constrained").gca()
+        return figure_of(width, height).gca()
     if not isinstance(ax, Axes):
         raise TypeError(f"ax must be axes of matplotlib, got {shortened(repr(ax))}")
     return ax
@@ -96,8 +104,7 @@ def several_axes(
 ) -> list[Axes]:
     """The given axes, rows * columns, or those of a new figure; a single column shares x."""
     if axes is None:
-        figure = plt.figure(figsize=size, layout="constrained")
-        return [*figure.subplots(rows, columns, sharex=columns == 1, squeeze=False).flat]
+        return [*figure_of(*size).subplots(rows, columns, sharex=columns == 1, squeeze=False).flat]
     found = list(axes) if isinstance(axes, Iterable) else [axes]
     if len(found) != rows * columns or not all(isinstance(ax, Axes) for ax in found):
         raise TypeError(

@@ -15,7 +15,7 @@ from pwmap.cli.results import Results, Writers, asked, results_in, table_in
 from pwmap.cli.screen import Formats, option, progress, say, show
 from pwmap.diagrams.record import attributes, program
 from woodpecker.cli.diagram import PAPER, places_of
-from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
+from woodpecker.cli.options import GUESS, CommandError, Near, Out, ends, motion
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
 
@@ -27,7 +27,7 @@ ALL = "all"
 Parameters = Annotated[str, option("Two parameters of the toy, the first that of the diagram.")]
 Second = Annotated[
     tuple[float, float] | None,
-    option("Interval of the second parameter; by default from half to twice the toy's value."),
+    ends("Interval of the second parameter; by default from half to twice the toy's value."),
 ]
 
 
@@ -38,7 +38,7 @@ def curves(
         option("Special points to start from, by name or id, such as A,B,PD1; or all.", "--from"),
     ] = "A",
     parameters: Parameters = "eps_n1,mu_2",
-    span: Annotated[tuple[float, float], option("Interval of the first parameter.")] = (0.0, 1.0),
+    span: Annotated[tuple[float, float], ends("Interval of the first parameter.")] = (0.0, 1.0),
     second_span: Second = None,
     phi_s: Near = GUESS,
     picture: Formats = None,

@@ -19,7 +19,7 @@ from pwmap.cli.screen import Formats, in_words, option, progress, say, show
 from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.options import GUESS, Out, Window, motion
+from woodpecker.cli.options import GUESS, Out, Window, ends, motion
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import WINDOW, Toy
 
@@ -37,7 +37,7 @@ CORES = os.cpu_count() or 1
 def diagram(
     toy: Toy,
     parameter: Annotated[str, option("Parameter of the toy to vary.")] = "eps_n1",
-    span: Annotated[tuple[float, float], option("Interval of the parameter.")] = (0.0, 1.0),
+    span: Annotated[tuple[float, float], ends("Interval of the parameter.")] = (0.0, 1.0),
     phi_s: Annotated[
         float, option("Guess for the periodic motion to start from, phi_S [rad].")
     ] = GUESS,

@@ -51,10 +51,9 @@ def animate(
     t_end: Annotated[float | None, option("Time to stop at [s]; by default one period.")] = None,
     slow: Annotated[float, option("How many times slower than nature.")] = 40.0,
     fps: Annotated[float, option("Frames per second [1/s].")] = 25.0,
-    size: Annotated[tuple[float, float], option("Width and height [inch] of 100 pixels each.")] = (
-        3.0,
-        4.0,
-    ),
+    size: Annotated[
+        tuple[float, float], option("In inches of 100 pixels each.", metavar="<width> <height>")
+    ] = (3.0, 4.0),
     file: Annotated[str, option("Name in the folder, .gif or .mp4.")] = "woodpecker.gif",
     out: Out = Path("out"),
 ) -> None:

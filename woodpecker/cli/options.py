@@ -11,6 +11,7 @@ from rich.markup import escape
 
 import woodpecker  # lazy: heavy modules are loaded only after help and refusals
 from pwmap.cli.interrupts import AT_ONCE
+from pwmap.cli.options import LOW_HIGH
 from pwmap.cli.options import Out as Out
 from pwmap.cli.results import asked
 from pwmap.cli.screen import number, option, take_formats, told
@@ -26,12 +27,17 @@ class CommandError(Exception):
     """A computation has no result; the message is for the user."""
 
 
+def ends(text: str) -> Any:
+    """An option that takes the two ends of an interval, in two words."""
+    return option(text, metavar=LOW_HIGH)
+
+
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
 ]
 Near = Annotated[float, option("Where the periodic motion is looked for [rad].")]
-Window = Annotated[tuple[float, float], option("Interval of phi_S [rad].")]
+Window = Annotated[tuple[float, float], ends("Interval of phi_S [rad].")]
 
 
 def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:

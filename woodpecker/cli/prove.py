@@ -15,7 +15,7 @@ from pwmap.cli.options import FILE
 from pwmap.cli.results import results_in
 from pwmap.cli.screen import in_words, option, progress, say
 from woodpecker.cli.diagram import PAPER, places_of
-from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
+from woodpecker.cli.options import GUESS, CommandError, Near, Out, ends, motion
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
@@ -30,7 +30,7 @@ def prove(
     order: Annotated[int, option("Its period, in returns.", least=1)] = 1,
     span: Annotated[
         tuple[float, float] | None,
-        option("Prove its branch over this interval of eps_N1, instead of the motion alone."),
+        ends("Prove its branch over this interval of eps_N1, instead of the motion alone."),
     ] = None,
     point: Annotated[
         str | None,

@@ -12,7 +12,7 @@ from pwmap.cli.results import Results, Writers, results_in, table_in
 from pwmap.cli.screen import Formats, option, progress, say, show, table
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
-from woodpecker.cli.options import Out, Window
+from woodpecker.cli.options import Out, Window, ends
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.regions.survey import CHECKS, Survey
 
@@ -22,7 +22,7 @@ PICTURE, TABLES = "regions", ("regions.csv", "region_borders.csv")
 def regions(
     toy: Toy,
     parameters: Parameters = "eps_n1,mu_2",
-    span: Annotated[tuple[float, float], option("Interval of the first parameter.")] = (0.1, 0.9),
+    span: Annotated[tuple[float, float], ends("Interval of the first parameter.")] = (0.1, 0.9),
     second_span: Second = None,
     orders: Annotated[str, option("Periods of cycles to count, such as 1,2 or 1-4.")] = "1",
     window: Window = WINDOW,

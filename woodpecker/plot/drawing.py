@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
 from matplotlib.animation import FFMpegWriter, PillowWriter
@@ -26,7 +25,7 @@ from scipy.interpolate import CubicSpline
 
 from pwmap.diagrams.files import write_whole
 from pwmap.plot import UNSTABLE
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, sized, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, figure_of, sized, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, real_array
 from woodpecker.mechanics.modes import OPEN, mode_states
@@ -306,7 +305,7 @@ def draw_frames(
     columns = min(4, len(times))
     rows = math.ceil(len(times) / columns)
     if figure is None:
-        figure = plt.figure(figsize=(1.9 * columns, 3.5 * rows), layout="constrained")
+        figure = figure_of(1.9 * columns, 3.5 * rows)
     axes = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
     q, _ = trajectory.at(np.asarray(times))
     x_limits, y_limits = window(trajectory.toy, q)

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -16,7 +15,18 @@ from matplotlib.lines import Line2D
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
 from pwmap.plot import INK, JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
 from pwmap.plot.diagrams import STYLES, StyledCurve
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, sized, strokes, styled
+from pwmap.plot.drawn import (
+    Artists,
+    Drawn,
+    Styles,
+    add,
+    axes_for,
+    figure_of,
+    framed,
+    sized,
+    strokes,
+    styled,
+)
 from pwmap.plot.palette import of_period
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.checks import instance
@@ -315,7 +325,7 @@ def plot_local(
     """
     instance("model", model, LocalModel)
     instance("diagram", diagram, Diagram)
-    figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.6), layout="constrained")
+    figure = figure if figure is not None else figure_of(7.6, 3.6)
     seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)
     reach = reach if reach is not None else _reach(model, diagram)
     near = diagram.within(model.p - 2.0 * reach, model.p + 2.0 * reach)

@@ -100,7 +100,7 @@ def described(census: Census) -> str:
         ]
         if counts:
             parts.append(f"period {each.period}: {', '.join(counts)}")
-    return "; ".join(parts) or "none"
+    return "; ".join(parts) or "no cycle of these orders"
 
 
 def handles(planes: Iterable[Regions]) -> list[Artist]:

@@ -341,8 +341,9 @@ class SystemCycle:
 
 @explained(HELD)
 def shoot(
-    map_: SystemMap, guess: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None
-) -> SystemCycle:
+    map_: SystemMap, guess: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None,
+    transient: int = 0,
+) -> SystemCycle:  # fmt: skip
     """Find a cycle near a guess by Newton's method; the word may change on the way.
 
     Parameters
@@ -355,6 +356,8 @@ def shoot(
         Number of returns after which it closes.
     p
         (k,) values of the free parameters; by default those of the system.
+    transient
+        Number of returns from ``guess`` before Newton's method begins.
 
     Returns
     -------
@@ -377,6 +380,8 @@ def shoot(
     if not np.isfinite(x).all():
         raise ValueError(f"guess must be finite, got {x.tolist()}")
     values, scale = parameters_of(map_, p), np.array(map_.x_scale)
+    for run in islice(map_.orbit(x, values), whole("transient", transient, least=0)):
+        x = run.point if run.status.success else x  # from there, the next line says what is lost
     images, lost = _images(map_, x, values, order)
     if lost:
         return _cycle(map_, x, values, [], CycleStatus.LOST, lost)

@@ -58,3 +58,7 @@ def test_ends_of_a_branch_are_stable_as_what_lies_beside_them() -> None:
         branch, parameter=np.arange(5.0), x=np.zeros(5), multiplier=multiplier, words=(), exact={}
     )
     assert stable_inside(whole).tolist() == [True, True, True, False, False]
+    assert whole.stability == "partly stable"
+    assert replace(whole, multiplier=[-1.0, -0.9, -0.5, -0.9, -1.0]).stability == "stable"
+    assert replace(whole, multiplier=[-1.0, -1.1, -1.5, -1.1, -1.0]).stability == "unstable"
+    assert [b.stability for b in DIAGRAM.branches if b.kind == "jump"] == [""]

@@ -39,7 +39,7 @@ def test_lists_in_a_sentence(text: str) -> None:
 def test_a_branch_in_a_line() -> None:
     assert repr(branch(word="S2 D2 " * 30)) == (
         "Branch(b1: fixed-point of order 1, 3 samples, parameter 0.1 to 0.4, x -0.6 to -0.4, "
-        "stable: yes, from P1 to P2, "
+        "stable, from P1 to P2, "
         "word 'S2 D2 S2 D2 S2 D2 S2 D2 S2 D2 S2 D2 S2 D2 S2 D2 S2 D2 S2 ...')"
     )
     assert "stable" not in repr(branch(kind="jump"))

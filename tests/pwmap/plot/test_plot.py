@@ -468,6 +468,12 @@ def test_all_text_grows_with_the_size_of_matplotlib() -> None:
     assert sizes[1] == pytest.approx([2.0 * size for size in sizes[0]])
 
 
+def test_a_size_of_pictures_in_the_settings_of_matplotlib_counts() -> None:
+    assert plot_map(AT_ONE).figure.get_size_inches().tolist() != [13.3, 7.5]
+    with plt.rc_context({"figure.figsize": (13.3, 7.5)}):
+        assert plot_map(AT_ONE).figure.get_size_inches().tolist() == [13.3, 7.5]
+
+
 def test_names_of_curves_that_lie_on_each_other_do_not_touch() -> None:
     """Jump crossings of orders 1, 3 and 5 lie on x = 0: their names read as one."""
     two_lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")

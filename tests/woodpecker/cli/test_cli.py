@@ -54,6 +54,17 @@ def options(application: typer.Typer, command: str) -> list[Any]:
     return [each for each in group.commands[command].params if each.name != "help"]
 
 
+@pytest.mark.parametrize("application", [app, pwmap_app], ids=["woodpecker", "pwmap"])
+def test_help_has_an_example_and_two_words_for_two_numbers(
+    application: typer.Typer, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    group: Any = typer.main.get_command(application)
+    for command in group.commands:
+        page = shown(application, command, monkeypatch)
+        assert "Example: " in page, command
+        assert "<float,float>" not in page, command  # it would be typed with a comma
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("program", "application", "command"), COMMANDS)
 def test_help_explains_every_option(

@@ -32,7 +32,8 @@ OF_MAPS = {
     f"{OVER_R} --set a=5/4 --orders '1;2'": "got '1;2'",
     f"{OVER_R} --set a=5/4 --orders 0": "got 0",
     f"{OVER_R} --set a=5/4 --span 2 1": "got (2, 1)",
-    "pwmap analyse 'x**2 + r' --parameter r": "the piece x**2 + r is not affine in x",
+    "pwmap analyse 'x**2 + r' --parameter r":
+    "the piece x**2 + r is not affine in x; woodpecker.from_sympy takes maps with",
     "pwmap analyse 'x +' --parameter r": "cannot read 'x +' as an expression",
     "pwmap analyse 'r - x if x < 0' --parameter r": 'a map is typed as "Piecewise((r - 2, x <= 0)',
     "pwmap analyse 'r + sqrt(x)' --parameter r": "followed from Python, by woodpecker.from_sympy",

@@ -14,7 +14,9 @@ from pwmap import PiecewiseLinearMap, parameter_plane
 from woodpecker import Settings, Toy, shoot
 from woodpecker.examples import SETTINGS, border_curve, paper_family
 from woodpecker.plane import family_from_sympy
+from woodpecker.plot.regions import described
 from woodpecker.regions import Regions, Survey, parameter_regions
+from woodpecker.regions.census import Count
 from woodpecker.regions.cutting import SQUARE, faces_of, lines_of, way_between
 from woodpecker.regions.regions import Division
 
@@ -51,6 +53,11 @@ def test_shares_of_the_paper_are_areas() -> None:
     for census, share in expected.items():
         # straight lines between samples of the one border that bends: 2 a/(a - 1)
         assert shares[census] == pytest.approx(share, abs=2e-5)
+
+
+def test_a_region_is_described_by_its_cycles_or_by_what_was_sought() -> None:
+    assert described((Count(1, 0, 1), Count(2, 1, 0))) == "period 1: 1 unstable; period 2: 1 stable"
+    assert described(()) == "no cycle of these orders"
 
 
 def counted(map_: PiecewiseLinearMap) -> tuple[tuple[int, int, int], ...]:

@@ -16,17 +16,17 @@ from woodpecker.systems import (
     MotionStatus,
     Section,
     SystemMap,
+    shoot,
     simulate,
 )
 
 X, V, T = sympy.symbols("x u_x t")
 K, G, W = sympy.symbols("k g w")
 PARAMETERS = {K: 4.0, G: 0.25, W: 1.1}
-WALL = Contact(name="wall", gap=10 - X)  # far away
 
 
 def on_a_spring(force: sympy.Expr, **values: float) -> ContactSystem:
-    return ContactSystem([X], [[1]], [force], [WALL], PARAMETERS).replace(**values)
+    return ContactSystem([X], [[1]], [force], [], PARAMETERS).replace(**values)
 
 
 def bilinear(time: float, k: float) -> np.ndarray:
@@ -56,6 +56,20 @@ def test_a_bilinear_spring_has_its_closed_form(backend: str) -> None:
         start, end = np.array([[y, a * v], [v, a * b]]), np.array([[yy, a * vv], [vv, a * bb]])
         assert image.value == pytest.approx(a * np.array([yy, vv]), abs=1e-11)
         assert image.jacobian[:, :2] == pytest.approx(end @ np.linalg.inv(start), abs=1e-10)
+
+
+def test_a_guess_may_settle_before_a_cycle_is_sought() -> None:
+    """Two wells, at -2 and 2, with a saddle between them: Newton's method goes to the saddle."""
+    wells = Piecewise((2 - X, X > 1), (-2 - X, X < -1), (X, True)) - V / 2
+    system = ContactSystem([X], [[1]], [wells], [], {})
+    map_ = SystemMap(system, Section(when=sympy.sin(T), free=[X, V], at={T: 0}), [])
+    for transient, x, stable in ((0, 0.0, False), (20, 2.0, True)):
+        cycle = shoot(map_, [0.001, 0.0], transient=transient)
+        assert cycle.success
+        assert cycle.x[0] == pytest.approx([x, 0.0], abs=1e-10)
+        assert cycle.stable is stable
+    with pytest.raises(ValueError, match="transient must be a whole number of at least 0"):
+        shoot(map_, [0.001, 0.0], transient=-1)
 
 
 @NEEDS_HEYOKA
@@ -232,7 +246,7 @@ REFUSED: list[tuple[Callable[[], object], str]] = [
     (lambda: on_a_spring(-X - V / sympy.sqrt(V**2)), "jumps where u_x = 0"),
     (lambda: Section(when=Max(X, V), free=[X]), r"when has Max\(u_x, x\), but only forces may"),
     (
-        lambda: ContactSystem([X], [[1 + Abs(X)]], [-X], [WALL], {}),
+        lambda: ContactSystem([X], [[1 + Abs(X)]], [-X], [], {}),
         r"an entry of M has Abs\(x\), but only forces may have kinks: a gap with a kink is two",
     ),
 ]  # fmt: skip

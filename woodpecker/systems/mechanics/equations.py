@@ -16,8 +16,9 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.expressions import are_equal
 from woodpecker.systems.mechanics.index_sets import IndexSets
-from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.mechanics.model import Contact, ContactSystem
 
+NEVER = Contact(name="no contact", gap=1)  # in place of contacts, where there are none: it is open
 Numbers = Callable[..., list[Floats]]  # from a point, in parts, to arrays of numbers
 
 
@@ -111,14 +112,16 @@ class Equations:
         self, system: ContactSystem, free: Sequence[str] = (), when: sympy.Expr | None = None,
         sticking: Sequence[int] = (),
     ) -> None:  # fmt: skip
-        self.system, self.n, self.m = system, system.n, len(system.contacts)
+        self.system, self.n = system, system.n
+        self.contacts = system.contacts or (NEVER,)
+        self.m = len(self.contacts)
         self.size = 2 * self.n + 1
         self.free, moving = tuple(free), system.named(free)
         self.places = [list(system.parameters).index(symbol) for symbol in moving]
         self.columns = self.size + len(free)
         self.p = np.array(list(system.parameters.values()))
-        self.friction = tuple(each.rubs for each in system.contacts)
-        self.slips = _equal_slips(system)
+        self.friction = tuple(each.rubs for each in self.contacts)
+        self.slips = _equal_slips(self.contacts, system.q)
         self.symbols = (*system.state, *system.parameters)
         self.along = (*system.state, *moving)
         self.when, on = when, None if when is None else tuple(sticking)
@@ -136,12 +139,12 @@ class Equations:
         new = sympy.Matrix(sympy.symbols(f"_v:{self.n}"))
         l_n = sympy.Matrix(sympy.symbols(f"_n:{self.m}"))
         l_t = sympy.Matrix(sympy.symbols(f"_t:{self.m}"))
-        gap = sympy.Matrix([each.gap for each in system.contacts])
-        slips = [each.slip or sympy.Integer(0) for each in system.contacts]
+        gap = sympy.Matrix([each.gap for each in self.contacts])
+        slips = [each.slip or sympy.Integer(0) for each in self.contacts]
         # a guard falls through zero, the expression of a section rises: hence the minus
         slip = sympy.Matrix(slips if self.when is None else [*slips, -self.when])
-        mu = sympy.Matrix([each.mu for each in system.contacts])
-        eps = sympy.Matrix([each.eps_n for each in system.contacts])
+        mu = sympy.Matrix([each.mu for each in self.contacts])
+        eps = sympy.Matrix([each.eps_n for each in self.contacts])
         w_n, w_t = gap.jacobian(q), slip.jacobian(u)
         rate = w_n * u + gap.diff(t)
         bar_n = rate.jacobian(q) * u + rate.diff(t)
@@ -178,15 +181,15 @@ class Equations:
         return self._last[2]
 
 
-def _equal_slips(system: ContactSystem) -> tuple[int, ...]:
+def _equal_slips(contacts: Sequence[Contact], q: Sequence[Any]) -> tuple[int, ...]:
     """For each contact, the first one that has the same slip while both are closed."""
     found = list[int]()
-    for i, each in enumerate(system.contacts):
+    for i, each in enumerate(contacts):
         same = (
             k for k in sorted(set(found))
-            if each.rubs and system.contacts[k].rubs
+            if each.rubs and contacts[k].rubs
             and are_equal(
-                each.slip, system.contacts[k].slip, (each.gap, system.contacts[k].gap), system.q
+                each.slip, contacts[k].slip, (each.gap, contacts[k].gap), q
             )
         )  # fmt: skip
         found.append(next(same, i))

@@ -122,7 +122,7 @@ class ContactSystem:
     h
         (n,) all smooth forces; of coordinates, velocities, time and parameters.
     contacts
-        At least one.
+        May be none, where only forces have kinks.
     parameters
         Values of all parameters, in SI units, by symbol or by name.
     u
@@ -258,7 +258,10 @@ class ContactSystem:
         self.check_laws(self.parameters)
         for each in self.contacts:
             if all(vanishes(each.gap.diff(q)) for q in self.q):
-                raise ValueError(f"the gap of {each.name!r} is one that no coordinate moves")
+                raise ValueError(
+                    f"the gap of {each.name!r} is one that no coordinate moves; a contact that "
+                    "stays closed has a coordinate as its gap, and a force that presses on it"
+                )
             if each.slip is None:
                 continue
             if not all(vanishes(each.slip.diff(v, w)) for v in self.u for w in self.u):
@@ -392,8 +395,8 @@ def _contacts(value: Any) -> tuple[Contact, ...]:
     for each in found:
         if not isinstance(each, Contact):
             raise TypeError(f"contacts must be Contact, got {shown(each)}")
-    if not 1 <= len(found) <= MOST_CONTACTS:
-        raise ValueError(f"a system has 1 to {MOST_CONTACTS} contacts, got {len(found)}")
+    if len(found) > MOST_CONTACTS:
+        raise ValueError(f"a system has at most {MOST_CONTACTS} contacts, got {len(found)}")
     called = [each.name for each in found]
     if len(set(called)) < len(called):
         raise ValueError(f"contacts need different names, got {called}")

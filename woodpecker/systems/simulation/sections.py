@@ -176,7 +176,7 @@ class Embedding:
         self.eq, self.section, self.own = eq, section, eq.p
         self.counter = Counter()  # of returns, by search or along a path
         system = eq.system
-        self.names = [each.name for each in system.contacts]
+        self.names = [each.name for each in eq.contacts]
         self.d = len(section.free)
         self.contact = self.names.index(section.when) if isinstance(section.when, str) else -1
         self.places = [system.state.index(each) for each in section.free]
@@ -339,7 +339,7 @@ def touching(eq: Equations, z: Floats, p: Floats) -> tuple[ContactState, list[in
     terms = eq.terms(z, p)
     size = _size(terms, z)
     closed, held, leaving, striking = set[int](), set[int](), set[int](), list[int]()
-    for i, each in enumerate(eq.system.contacts):
+    for i, each in enumerate(eq.contacts):
         gap, rate, slip = terms.gap[i], terms.gap_rate[i], terms.slip[i]
         if gap < -ROUNDING * size[i]:
             sentence = f"the start penetrates {each.name!r}: its gap is {gap:.3g}"
