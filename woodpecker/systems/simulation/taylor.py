@@ -15,6 +15,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 import sympy
+from numpy.polynomial.polynomial import polyval
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.polynomials import WHOLE, bernstein, evaluated, roots, scaled
@@ -121,8 +122,8 @@ def _first_root(c: Floats, length: float) -> float:
 
 
 def _states(c: Floats, times: Floats) -> Floats:
-    found: Floats = times[:, None] ** np.arange(c.shape[1]) @ c.T
-    return found
+    found: Floats = polyval(times, c.T)  # by Horner's rule: powers of long times overflow
+    return found.T
 
 
 def _exact(c: Floats, size: int, t: float) -> tuple[Floats, Floats]:
