@@ -15,6 +15,7 @@ import woodpecker
 from pwmap import PointStatus
 from studies.systems import table
 from woodpecker import Search, Settings, slices_at
+from woodpecker.examples import bouncing_ball
 from woodpecker.slices import nearest_border
 from woodpecker.systems import (
     Contact,
@@ -441,3 +442,17 @@ def test_a_section_names_all_contacts_that_stick() -> None:
     assert both.missed == (
         f"x does not rise through zero while 'floor' and 'wall' stick within 50 s, {LONGEST}"
     )
+
+
+def test_values_may_be_exact_numbers() -> None:
+    """A multiple of pi is a number wherever one is expected; a symbol is none."""
+    ball, half = bouncing_ball(), sympy.pi / 2
+    cases = (half, sympy.pi, 3 * half), (math.pi / 2, math.pi, 1.5 * math.pi)
+    motions = [
+        simulate(ball.replace(g=g), {"y": y}, t_end, backend="scipy") for y, g, t_end in cases
+    ]
+    assert motions[0].word == motions[1].word
+    assert motions[0].z.tolist() == motions[1].z.tolist()
+    a = sympy.Symbol("a", real=True)
+    with pytest.raises(ValueError, match="parameter g must be one real number, got a"):
+        ContactSystem(ball.q, ball.M, ball.h, ball.contacts, {"g": a})

@@ -408,11 +408,7 @@ def _parameters(value: Any) -> dict[sympy.Symbol, float]:
         (key,) = names("parameters", [symbol])
         if key in found:
             raise ValueError(f"parameter {key} is given twice, as a symbol and as a name")
-        found[key] = number(f"parameter {key}", float(given) if _is_number(given) else given)
+        found[key] = number(f"parameter {key}", given)
         if not math.isfinite(found[key]):
             raise ValueError(f"parameter {key} must be finite, got {given}")
     return found
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, sympy.Expr) and bool(value.is_real)
