@@ -68,7 +68,7 @@ def test_basins_have_the_colours_of_their_cycles() -> None:
 
 @pytest.mark.parametrize("unit", [1.0, 1e-6])
 def test_numbers_of_small_machines_are_those_of_large_ones(unit: float) -> None:
-    """A machine in metres has two wells at (+-1, 0), one in micrometres has them 1e-6 times that."""
+    """A machine in metres has wells at (+-1, 0), one in micrometres has them at 1e-6 times that."""
     wall = Contact(name="wall", gap=3 * unit - x, eps_n=0.5)
     system = ContactSystem([x], [[1]], [x - x**3 / unit**2 - 2 * v], [wall], {})
     map_ = SystemMap(system, Section(when=sympy.sin(t), free=[x, v]), backend="scipy")
