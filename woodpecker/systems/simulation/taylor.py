@@ -122,8 +122,7 @@ def _first_root(c: Floats, length: float) -> float:
 
 
 def _states(c: Floats, times: Floats) -> Floats:
-    found: Floats = polyval(times, c.T)  # by Horner's rule: powers of long times overflow
-    return found.T
+    return np.asarray(polyval(times, c.T).T, dtype=float)  # powers of long times overflow
 
 
 def _exact(c: Floats, size: int, t: float) -> tuple[Floats, Floats]:
