@@ -154,6 +154,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(h=[0, sympy.gamma(y)]), r"an entry of h has gamma\(y\), and gamma is not supp"),
     (lambda: system(h=[0, sympy.Function("f")(y)]), r"h has f\(y\), and f is not supported"),
     (lambda: system(h=[0, sympy.Integral(x, (x, 0, y))]), "and Integral is not supported: there"),
+    (lambda: system(h=[0, y > 0]), "an entry of h must be an expression of sympy or a number, got y"),
     (lambda: system(h=[0, sympy.I * y]), r"an entry of h must be real, got I\*y"),
     (lambda: contact(gap=sympy.besselj(0, y)), r"and the functions sin, .*, Max, Min, Piecewise$"),
     (lambda: contact(eps_n=sympy.zeta(mu)), r"eps_n of 'floor' has zeta\(mu\), and zeta is not"),

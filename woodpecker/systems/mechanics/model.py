@@ -7,6 +7,7 @@ velocities, time and parameters. Everything else is derived from them.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 import sympy
 from sympy.core.function import AppliedUndef
+from sympy.utilities.exceptions import SymPyDeprecationWarning
 
 from pwmap.algebra.arguments import explained_fields
 from woodpecker.base.arrays import Floats
@@ -375,7 +377,9 @@ def namesake(symbol: sympy.Symbol, known: Iterable[sympy.Symbol]) -> str:
 
 def _matrix(name: str, value: Any, shape: tuple[int, int]) -> sympy.ImmutableMatrix:
     try:
-        found = sympy.ImmutableMatrix(value)
+        with warnings.catch_warnings():  # of entries that are no expressions, as checked below
+            warnings.simplefilter("ignore", SymPyDeprecationWarning)
+            found = sympy.ImmutableMatrix(value)
     except (TypeError, ValueError, sympy.SympifyError):
         raise TypeError(f"{name} must be a matrix of expressions, got {shown(value)}") from None
     if found.shape != shape:
