@@ -13,7 +13,7 @@ from matplotlib.artist import Artist, ArtistInspector
 from matplotlib.axes import Axes
 from matplotlib.cbook import strip_math
 from matplotlib.figure import Figure, SubFigure
-from matplotlib.ticker import AutoLocator, MaxNLocator
+from matplotlib.ticker import AutoLocator, MaxNLocator, ScalarFormatter
 from matplotlib.transforms import offset_copy
 
 from pwmap.algebra.arguments import check_mapping, shortened
@@ -59,9 +59,18 @@ def figure_of(width: float, height: float) -> Figure:
 def axes_for(ax: Axes | None, width: float, height: float) -> Axes:
     """The given axes, or new ones in a figure of a size [inch]; TypeError if they are no axes."""
     if ax is None:
-        return figure_of(width, height).gca()
+        ax = figure_of(width, height).gca()
     if not isinstance(ax, Axes):
         raise TypeError(f"ax must be axes of matplotlib, got {shortened(repr(ax))}")
+    return _with_powers(ax)
+
+
+def _with_powers(ax: Axes) -> Axes:
+    """The axes, on which a common factor of numbers is a power of ten, not 1e-6."""
+    for axis in (ax.xaxis, ax.yaxis):
+        formatter = axis.get_major_formatter()
+        if isinstance(formatter, ScalarFormatter):
+            formatter.set_useMathText(True)
     return ax
 
 
@@ -104,13 +113,15 @@ def several_axes(
 ) -> list[Axes]:
     """The given axes, rows * columns, or those of a new figure; a single column shares x."""
     if axes is None:
-        return [*figure_of(*size).subplots(rows, columns, sharex=columns == 1, squeeze=False).flat]
+        figure = figure_of(*size)
+        axes = [*figure.subplots(rows, columns, sharex=columns == 1, squeeze=False).flat]
+        figure.align_ylabels(axes)
     found = list(axes) if isinstance(axes, Iterable) else [axes]
     if len(found) != rows * columns or not all(isinstance(ax, Axes) for ax in found):
         raise TypeError(
             f"axes must be {rows * columns} axes of matplotlib, got {shortened(repr(axes))}"
         )
-    return found
+    return [_with_powers(ax) for ax in found]
 
 
 def strokes(x: FloatArray, y: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 import sympy
 from maps import logistic, paper, two_lines
+from needs import EACH_BACKEND
 from pickles import Way, pickled
 
 from pwmap import PiecewiseLinearMap
 from woodpecker import FormulaMap, PiecewiseMap, Toy, ToyPieces, from_pwmap, from_sympy, local_model
 from woodpecker.maps import Iterate
 from woodpecker.slices import LocalModel
+from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
 
 WAYS = pytest.mark.parametrize("way", [pickled, copy.deepcopy])
 X = np.linspace(-2.4, 0.05, 20)
@@ -99,3 +101,21 @@ def test_maps_are_equal_if_their_toys_and_parameters_are() -> None:
     assert Iterate(ToyPieces(Toy()), 2) != Iterate(ToyPieces(Toy()), 3)
     with pytest.raises(TypeError, match="unknown parameter 'eps'"):
         ToyPieces(Toy(), "eps")
+
+
+@WAYS
+@EACH_BACKEND
+def test_maps_of_systems(way: Way, backend: str) -> None:
+    """With the values that they hold, their derivatives and margins; so have their pieces."""
+    x, v, t, w, force = sympy.symbols("x u_x t w F")
+    stop = Contact(name="the stop", gap=1 - x, eps_n=0.8)
+    machine = ContactSystem([x], [[1]], [force * sympy.cos(w * t) - x], [stop], {w: 2.0, force: 1})
+    section = Section(when=sympy.sin(w * t), free=[x, v], at={t: 0})
+    map_ = SystemMap(machine, section, ["F"], backend=backend).holding(w=2.8)
+    start, p = np.array([-0.8, 2.0]), np.array([8.0])
+    image = map_.at(start, p)
+    for own, sent in ((map_, way(map_)), (image.piece, way(image).piece)):
+        known, again = own.at(start, p), sent.at(start, p)
+        assert again.piece == known.piece
+        for name in ("value", "jacobian", "margins", "gradients", "codes"):
+            assert getattr(again, name).tobytes() == getattr(known, name).tobytes()

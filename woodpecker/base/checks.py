@@ -23,7 +23,9 @@ instance = check_kind  # its name in this package
 def number(name: str, value: Any) -> float:
     """One real number, nan and infinities included; ValueError for anything else."""
     one = value[()] if isinstance(value, np.ndarray) and value.ndim == 0 else value
-    if isinstance(one, bool | np.bool_) or not isinstance(one, numbers.Real | Decimal):
+    exact = getattr(one, "is_number", False) and getattr(one, "is_real", False)  # pi/2 of sympy
+    known = exact or isinstance(one, numbers.Real | Decimal)
+    if not known or isinstance(one, bool | np.bool_):
         raise ValueError(f"{name} must be one real number, got {shown(value)}")
     return real(name, one)
 

@@ -46,6 +46,7 @@ EVENTS: dict[str, tuple[tuple[EventKind, ...], dict[str, Any]]] = {
     "detaches": ((EventKind.DETACH,), {"color": "#969696", "marker": "v"}),
 }
 BUDGET = 300  # returns for steep places: seconds, at some 10 ms each
+ROUNDED = 1e-6  # of the ends of an axis: a smaller coordinate of a cycle is rounding, and 0
 BASINS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fc9272", "#d9d9d9")
 
 
@@ -252,8 +253,8 @@ def plot_basins(
     for cycle, colour in zip(cycles, colours[1:], strict=True):
         x, y = (cycle.x[:, free.index(name)] for name in names)
         marks += ax.plot(x, y, "o", color=STABLE, markersize=4.5, mec="white", mew=0.6)
-        first = np.round([x[:2], y[:2]], 6) + 0.0  # rounding errors become 0, not 1e-17 or -0
-        where = ", ".join(f"({a:.3g}, {b:.3g})" for a, b in first.T)
+        first = zip(x[:2].tolist(), y[:2].tolist(), strict=True)
+        where = ", ".join(f"({_short(a, ends[0])}, {_short(b, ends[1])})" for a, b in first)
         patches.append(Patch(facecolor=colour, label=where + (", ..." if len(x) > 2 else "")))
     shown["cycles"] = marks
     if (owner < 0).any():
@@ -269,6 +270,14 @@ def plot_basins(
             loc="best",
         )
     return Drawn((ax,), shown)
+
+
+def _short(value: float, ends: tuple[float, float]) -> str:
+    """A coordinate with three digits; what is rounding beside the ends of its axis is 0."""
+    if abs(value) < ROUNDED * max(map(abs, ends)):
+        return "0"
+    digits, _, power = f"{value:.3g}".partition("e")
+    return rf"${digits} \times 10^{{{int(power)}}}$" if power else digits
 
 
 def _values(system: ContactSystem, motion: Motion, name: Any) -> Floats:

@@ -66,6 +66,22 @@ def test_basins_have_the_colours_of_their_cycles() -> None:
     assert np.asarray(mesh.get_array()).tolist() == [[1, 0], [1, 0]]
 
 
+@pytest.mark.parametrize("unit", [1.0, 1e-6])
+def test_numbers_of_small_machines_are_those_of_large_ones(unit: float) -> None:
+    """A machine in metres has wells at (+-1, 0), one in micrometres has them at 1e-6 times that."""
+    wall = Contact(name="wall", gap=3 * unit - x, eps_n=0.5)
+    system = ContactSystem([x], [[1]], [x - x**3 / unit**2 - 2 * v], [wall], {})
+    map_ = SystemMap(system, Section(when=sympy.sin(t), free=[x, v]), backend="scipy")
+    wells = [shoot(map_, [each * unit, 0.0]) for each in (1.1, -1.1)]
+    plane = {"x": (-2.0 * unit, 2.0 * unit), "u_x": (-unit, unit)}
+    drawn = plot_basins(map_, wells, plane, points=2)
+    numbers = ("1", "-1") if unit == 1.0 else (rf"${k} \times 10^{{-6}}$" for k in (1, -1))
+    assert explained(drawn.ax) == [f"({each}, 0)" for each in numbers]
+    drawn.figure.draw_without_rendering()  # type: ignore[union-attr]
+    factor = drawn.ax.yaxis.get_offset_text().get_text()
+    assert ("10^{" in factor) is (unit < 1.0)
+
+
 def test_wrong_names_are_refused() -> None:
     motion = simulate(BALL, {"y": 5.0}, 0.5, backend="scipy")
     with pytest.raises(

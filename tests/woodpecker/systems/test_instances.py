@@ -233,3 +233,12 @@ def test_a_ball_is_dropped_from_any_height(height: float, backend: str) -> None:
     motion = simulate(ball, {"y": height}, 2.0 * falls, backend=backend)
     assert motion.status is MotionStatus.TIME_REACHED
     assert [event.time for event in motion.events] == pytest.approx([falls], rel=1e-12)
+
+
+@EACH_BACKEND
+def test_a_body_may_fly_for_any_time(backend: str) -> None:
+    """Its samples are x = 1 + t, though the 20th power of such times is no double."""
+    x = sympy.Symbol("x")
+    body = ContactSystem([x], [[1]], [0], [Contact(name="wall", gap=x)], {})
+    motion = simulate(body, {"x": 1.0, "u_x": 1.0}, 1e18, samples=5, backend=backend)
+    assert motion.q[:, 0] == pytest.approx(1.0 + motion.t, rel=1e-14)

@@ -15,6 +15,7 @@ import woodpecker
 from pwmap import PointStatus
 from studies.systems import table
 from woodpecker import Search, Settings, slices_at
+from woodpecker.examples import bouncing_ball
 from woodpecker.slices import nearest_border
 from woodpecker.systems import (
     Contact,
@@ -155,6 +156,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(h=[0, sympy.gamma(y)]), r"an entry of h has gamma\(y\), and gamma is not supp"),
     (lambda: system(h=[0, sympy.Function("f")(y)]), r"h has f\(y\), and f is not supported"),
     (lambda: system(h=[0, sympy.Integral(x, (x, 0, y))]), "and Integral is not supported: there"),
+    (lambda: system(h=[0, y > 0]), "an entry of h must be an expression of sympy or a number"),
     (lambda: system(h=[0, sympy.I * y]), r"an entry of h must be real, got I\*y"),
     (lambda: contact(gap=sympy.besselj(0, y)), r"and the functions sin, .*, Max, Min, Piecewise$"),
     (lambda: contact(eps_n=sympy.zeta(mu)), r"eps_n of 'floor' has zeta\(mu\), and zeta is not"),
@@ -443,3 +445,17 @@ def test_a_section_names_all_contacts_that_stick() -> None:
     assert both.missed == (
         f"x does not rise through zero while 'floor' and 'wall' stick within 50 s, {LONGEST}"
     )
+
+
+def test_values_may_be_exact_numbers() -> None:
+    """A multiple of pi is a number wherever one is expected; a symbol is none."""
+    ball, half = bouncing_ball(), sympy.pi / 2
+    cases = (half, sympy.pi, 3 * half), (math.pi / 2, math.pi, 1.5 * math.pi)
+    motions = [
+        simulate(ball.replace(g=g), {"y": y}, t_end, backend="scipy") for y, g, t_end in cases
+    ]
+    assert motions[0].word == motions[1].word
+    assert motions[0].z.tolist() == motions[1].z.tolist()
+    a = sympy.Symbol("a", real=True)
+    with pytest.raises(ValueError, match="parameter g must be one real number, got a"):
+        ContactSystem(ball.q, ball.M, ball.h, ball.contacts, {"g": a})

@@ -129,7 +129,11 @@ class Equations:
         self._last: tuple[bytes, bytes, Terms] | None = None
         self.jets: Callable[[tuple[int, ...]], Callable[..., Floats]] | None = None
         self.flow: Callable[..., Callable[..., Iterator[Any]]]
+        self.again: Callable[[], Equations] = partial(Equations, system, free, when, sticking)
         self._derive()
+
+    def __reduce__(self) -> tuple[Callable[[], Equations], tuple[()]]:
+        return self.again, ()  # compiled functions cannot be sent
 
     def _derive(self) -> None:
         """Set up Eq. (1)-(3) and their derivatives, by sympy."""

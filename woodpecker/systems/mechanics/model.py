@@ -7,6 +7,7 @@ velocities, time and parameters. Everything else is derived from them.
 from __future__ import annotations
 
 import math
+import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 import sympy
 from sympy.core.function import AppliedUndef
+from sympy.utilities.exceptions import SymPyDeprecationWarning
 
 from pwmap.algebra.arguments import explained_fields
 from woodpecker.base.arrays import Floats
@@ -378,7 +380,9 @@ def namesake(symbol: sympy.Symbol, known: Iterable[sympy.Symbol]) -> str:
 
 def _matrix(name: str, value: Any, shape: tuple[int, int]) -> sympy.ImmutableMatrix:
     try:
-        found = sympy.ImmutableMatrix(value)
+        with warnings.catch_warnings():  # of entries that are no expressions, as checked below
+            warnings.simplefilter("ignore", SymPyDeprecationWarning)
+            found = sympy.ImmutableMatrix(value)
     except (TypeError, ValueError, sympy.SympifyError):
         raise TypeError(f"{name} must be a matrix of expressions, got {shown(value)}") from None
     if found.shape != shape:
@@ -411,11 +415,7 @@ def _parameters(value: Any) -> dict[sympy.Symbol, float]:
         (key,) = names("parameters", [symbol])
         if key in found:
             raise ValueError(f"parameter {key} is given twice, as a symbol and as a name")
-        found[key] = number(f"parameter {key}", float(given) if _is_number(given) else given)
+        found[key] = number(f"parameter {key}", given)
         if not math.isfinite(found[key]):
             raise ValueError(f"parameter {key} must be finite, got {given}")
     return found
-
-
-def _is_number(value: Any) -> bool:
-    return isinstance(value, sympy.Expr) and bool(value.is_real)

@@ -132,6 +132,7 @@ def assembled(
 
         eq.jets, integrated = cache(partial(jets, eq)), taylor
     eq.flow = cache(partial(integrated, eq))
+    eq.again = partial(assembled, system, free, chosen, section)
     return eq
 
 

@@ -192,6 +192,9 @@ class Embedding:
         self._check_event()
         self.touch = self._touching()
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Embedding, (self.eq, self.section), {"own": self.own}
+
     def _check_event(self) -> None:
         """ValueError if the section is not at its event because ``at`` omits one of its symbols."""
         # symbols that are named may place it at another event, which a symmetry makes the same

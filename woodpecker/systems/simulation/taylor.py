@@ -15,6 +15,7 @@ from typing import Any
 import heyoka as hy
 import numpy as np
 import sympy
+from numpy.polynomial.polynomial import polyval
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.polynomials import WHOLE, bernstein, evaluated, roots, scaled
@@ -121,8 +122,7 @@ def _first_root(c: Floats, length: float) -> float:
 
 
 def _states(c: Floats, times: Floats) -> Floats:
-    found: Floats = times[:, None] ** np.arange(c.shape[1]) @ c.T
-    return found
+    return np.asarray(polyval(times, c.T).T, dtype=float)  # powers of long times overflow
 
 
 def _exact(c: Floats, size: int, t: float) -> tuple[Floats, Floats]:
