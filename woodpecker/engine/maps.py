@@ -322,10 +322,8 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
 
 
 def _at_border(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
-    """The image of a border point, which lies inside the piece along a direction, up to rounding.
-
-    Where the piece has no value, it is that of the point mirrored at the border.
-    """
+    """The image of a border point from which a direction leads into the piece."""
+    # Rounding may put it where the piece has no value: there it is mirrored at the border.
     image, d = piece.at(x, p), len(x)
     rates = image.gradients @ unit
     beyond = (image.margins < 0.0) & (rates > 0.0) & image.tied(x, p)
