@@ -201,8 +201,8 @@ def ends_at_special(arc: Arc) -> bool:
 def located_elsewhere(plane: Plane, arc: Arc) -> Arc | None:
     """An arc of another curve, up to the special point in which an arc ends; or None."""
     # Where their period halves folds end on the curve of flips, and cycles on a border on that of
-    # the border, with half the period; folds and flips end on the curve of a border that they touch,
-    # at a degenerate grazing or, where slopes change like a root, with their multiplier.
+    # the border, with half the period; folds and flips end on the curve of a border that they
+    # touch, at a degenerate grazing or, where slopes change like a root, with their multiplier.
     orbit = arc.samples[-1].orbit
     if _merging(arc):
         half, own = len(orbit.x) // 2, border_in(arc.curve)
