@@ -340,8 +340,8 @@ def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFu
     """Bounds beyond which the second sample lies; those of the window if the first is within."""
     scale = curve.problem.scale(a.orbit)
     for test in _bounds(curve, b):
-        is_window = test.stop is Stop.WINDOW and isinstance(test.condition, Held)
-        if not is_window or test.value(a) >= -ROUNDED_OFF * scale[test.condition.column]:
+        held = test.condition if test.stop is Stop.WINDOW else None
+        if not isinstance(held, Held) or test.value(a) >= -ROUNDED_OFF * scale[held.column]:
             yield test
     before, after = _jump(a.orbit), _jump(b.orbit)
     if before * after < 0.0:  # both limits have passed the diagonal: s is in [0, 1] again
