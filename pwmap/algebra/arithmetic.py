@@ -16,7 +16,7 @@ from sympy.polys.rings import PolyElement
 from pwmap.algebra.arguments import shown
 from pwmap.algebra.exact import Fraction_, Number, Ring, cancelled, constant, is_constant
 from pwmap.algebra.exact import bits as bits_of
-from pwmap.algebra.parsing import term_of
+from pwmap.algebra.parsing import exact, term_of
 from pwmap.algebra.terms import CONDITIONS, MAX_BITS, Operation, Term, plain_name
 
 MAX_DEGREE = 64  # of a polynomial in the parameters, and in the variable
@@ -242,9 +242,9 @@ def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
 
 
 def rational(value: object) -> Number:
-    """A value, also text such as ``"5/4"``, as an element of ``QQ``; TypeError for a float."""
+    """A value, also text as ``"5/4"`` or ``"1.25"``, in ``QQ``; TypeError for a float."""
     try:
-        term = term_of(value)
+        term = term_of(exact(value) if isinstance(value, str) else value)
     except ValueError as error:
         raise ValueError(f"expected a rational number, such as 5/4: {error}") from None
     if term.names() or term.operation in CONDITIONS:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from fractions import Fraction
 from itertools import chain
 from typing import TYPE_CHECKING
 
 import pwmap
+from pwmap.algebra.parsing import exact
 
 if TYPE_CHECKING:
     from pwmap.algebra.terms import Term
@@ -71,14 +71,6 @@ def _condition(text: str) -> Term:
 
 
 ORDERS = re.compile(r"\s*(\d{1,9})\s*(?:-\s*(\d{1,9})\s*)?")  # 3 or 1-8
-# at most as long as the integers of a formula
-DECIMAL = re.compile(r"[+-]?(?=.{1,999}$)(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
-
-
-def exact(text: str) -> str:
-    """A decimal as an exact fraction, 1.25 as 5/4; other text as it is."""
-    stripped = text.strip()
-    return str(Fraction(stripped)) if DECIMAL.fullmatch(stripped) else text
 
 
 @contextmanager

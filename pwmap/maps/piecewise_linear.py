@@ -128,7 +128,7 @@ class PiecewiseLinearMap(Decided):
 
     @explained("values are one mapping, such as .at({'a': '5/4'})")
     def at(self, values: Mapping[Any, object]) -> PiecewiseLinearMap:
-        """The map with rational values for parameters, such as ``{a: Rational(5, 4), "r": 1}``.
+        """The map with rational values for parameters, such as ``{a: Rational(5, 4), "r": "0.5"}``.
 
         The others stay symbols. ValueError if a name is not a parameter, or a value contradicts the
         assumptions or lies outside of the map's cell; TypeError if it is a float.

@@ -338,8 +338,10 @@ def _borders(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
 
 def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFunction]:
     """Bounds beyond which the second sample lies; those of the window if the first is within."""
+    scale = curve.problem.scale(a.orbit)
     for test in _bounds(curve, b):
-        if test.stop is not Stop.WINDOW or test.value(a) >= -ROUNDED_OFF:
+        held = test.condition if test.stop is Stop.WINDOW else None
+        if not isinstance(held, Held) or test.value(a) >= -ROUNDED_OFF * scale[held.column]:
             yield test
     before, after = _jump(a.orbit), _jump(b.orbit)
     if before * after < 0.0:  # both limits have passed the diagonal: s is in [0, 1] again

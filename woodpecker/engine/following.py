@@ -146,10 +146,13 @@ def _ended(curve: SolutionCurve, samples: Sequence[Sample], last: _Step, step: f
 
 def leaves(curve: SolutionCurve, start: Sample) -> Stop | None:
     """The bound at or beyond which a sample lies, if the curve leads farther out; else None."""
+    # A window is left by points within it: others may lie anywhere.
     orbit = start.orbit
     columns, low, high, stops = curve.bounds(orbit)
     at, along = orbit.unknowns[columns], curve.all_rates(start)[columns]
     out = ((at <= low) & (along < 0.0)) | ((at >= high) & (along > 0.0))
+    far = np.maximum(low - at, at - high) > ROUNDED_OFF * curve.problem.scale(orbit)[columns]
+    out &= ~(far & np.array([stop is Stop.WINDOW for stop in stops]))
     return next((stop for stop, is_out in zip(stops, out, strict=True) if is_out), None)
 
 

@@ -298,7 +298,7 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     """The one-sided limit at (x, p) of the piece of a nearby image."""
     # Where the piece has no value at the point, or its derivatives there are rounding errors, take
     # those beside it. At a root singularity they grow without bound: `root_of` finds the limit.
-    there = near.piece.at(x, p)
+    there = _at_border(near.piece, x, p, unit)
     finite = not there.reason and np.isfinite(there.gradients).all()
     if finite and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there
@@ -319,6 +319,18 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     ):
         value = there.value  # else that of the other event time: two merge at the border
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
+
+
+def _at_border(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
+    """The image of a border point from which a direction leads into the piece."""
+    # Rounding may put it where the piece has no value: there it is mirrored at the border.
+    image, d = piece.at(x, p), len(x)
+    rates = image.gradients @ unit
+    beyond = (image.margins < 0.0) & (rates > 0.0) & image.tied(x, p)
+    if not (image.reason and beyond.any()):
+        return image
+    way = 2.0 * float((-image.margins[beyond] / rates[beyond]).max()) * unit
+    return piece.at(x + way[:d], p + way[d:])
 
 
 class RootSingularity(NamedTuple):

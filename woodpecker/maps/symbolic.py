@@ -13,6 +13,7 @@ import numpy as np
 import sympy
 
 from pwmap import LinearPiece, PiecewiseLinearMap
+from pwmap.algebra.arithmetic import rational
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.shown import shown
 from woodpecker.base.slopes import derivative
@@ -184,7 +185,7 @@ def from_sympy(
     x, p
         The variable and the parameter.
     values
-        Numbers for all other symbols. A float stands for exactly the binary number that it holds.
+        Numbers for all other symbols: a float for the binary number that it holds, or exact text.
     words
         Names, one for each formula; by default A, B, C, ...
 
@@ -262,13 +263,24 @@ def _numbers(
     for symbol, value in values.items():
         if not isinstance(symbol, sympy.Symbol) or symbol in symbols:
             raise ValueError(f"values are for symbols other than {symbols}, got one for {symbol!r}")
-        if value is None or isinstance(value, str | bool):
-            raise TypeError(f"the value of {symbol} must be a number, got {value!r}")
-        number = _exact(sympy.sympify(value, strict=True))
+        try:
+            number = _number(value)
+        except (TypeError, ValueError):
+            raise TypeError(f"the value of {symbol} must be a number, got {value!r}") from None
         if not (number.is_number and number.is_extended_real and number.is_finite):
             raise ValueError(f"the value of {symbol} must be a finite real number, got {value!r}")
         found[symbol] = number
     return found
+
+
+def _number(value: Any) -> sympy.Basic:
+    """A value of sympy, a number, or text such as ``"5/4"`` or ``"1.25"``, exactly."""
+    if isinstance(value, str):
+        found = rational(value)
+        return sympy.Rational(int(found.numerator), int(found.denominator))
+    if value is None or isinstance(value, bool):
+        raise TypeError
+    return _exact(sympy.sympify(value, strict=True))
 
 
 def _exact(expression: sympy.Basic) -> sympy.Basic:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -102,19 +103,17 @@ def _both(
     # Rounding decides whether a margin that begins right at x is there: if only the map over the
     # first parameter has it, its derivative in the second one is nan.
     second = first
-    if not first.reason:
+    if len(first.causes) or not first.reason:  # beyond its end a piece may still have margins
         second = family.carried(first.piece, family.over(1, values)).at(x, values[1])
-    piece = FamilyPiece(second.piece, family, lengths)
-    if second.reason:
-        nothing = np.full((1, 3), np.nan), np.empty(0), np.empty((0, 3)), np.empty(0, dtype=int)
-        return SpaceImage(np.full(1, np.nan), *nothing, piece, second.reason, lengths)
     rates = second.gradients[:, 1]
     if not np.array_equal(first.causes, second.causes):
         rates = np.array([second.gradient(code)[1] for code in first.causes.tolist()])
+    slopes, reason = [first.slope, first.d_parameter, second.d_parameter], second.reason
     return SpaceImage(
-        np.array([first.value]), np.array([[first.slope, first.d_parameter, second.d_parameter]]),
-        first.margins, np.column_stack([first.gradients, rates]), first.causes, piece,
-        lengths=lengths,
+        np.array([math.nan if reason else first.value]),
+        np.full((1, 3), math.nan) if reason else np.array([slopes]), first.margins,
+        np.column_stack([first.gradients, rates]), first.causes,
+        FamilyPiece(second.piece, family, lengths), reason, lengths,
     )  # fmt: skip
 
 

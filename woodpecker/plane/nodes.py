@@ -369,7 +369,8 @@ def kind_and_note(plane: Plane, curve: SolutionCurve, orbit: SpaceOrbit) -> tupl
         # if side (1 - own) mu < 0, and the crossing if gap mu < 0.
         way_there = math.prod(float(each.jacobian[0, 0]) for each in orbit.images[: on.image])
         side = math.copysign(1.0, way_there) * border.side
-        fold = math.copysign(1.0, 1.0 - own) * side * gap > 0.0
+        # Behind a flat piece P_n has no jump at x_0: the fixed point ends alone.
+        fold = way_there == 0.0 or math.copysign(1.0, 1.0 - own) * side * gap > 0.0
     elif kind is BorderKind.SMOOTH or math.isnan(other):
         return PointKind.BC, "word change"
     else:

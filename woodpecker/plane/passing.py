@@ -160,6 +160,9 @@ def moved_to_special(plane: Plane, arc: Arc) -> Arc:
         return _at_border(arc) if ends_at_special(arc) else arc
     samples, end, orbit = reliable_samples(arc), arc.samples[-1], found.samples[-1].orbit
     there = placed_at(end.orbit, np.resize(orbit.x, end.orbit.x.shape), orbit.p)
+    every = orbit.images * (len(there.x) // len(orbit.x))
+    if [each.piece.key for each in every] == [each.piece.key for each in there.images]:
+        there = replace(there, images=every)  # limits, where its own piece may have no value
     if not arc.curve.problem.same(there.x, end.orbit.x, NEAR):
         return arc
     return replace(
@@ -191,15 +194,15 @@ def _merging(arc: Arc) -> bool:
 def ends_at_special(arc: Arc) -> bool:
     """Whether an arc ends in a special point of another curve."""
     name, kind = "" if arc.test is None else arc.test.name, kind_of(condition_of(arc.curve))
-    grazes = name == PlaneKind.DEGENERATE_GRAZING and is_steep(arc.curve)
-    return grazes or (name == HALVING.get(kind) and _merging(arc))
+    touches = is_steep(arc.curve) and name in (PlaneKind.DEGENERATE_GRAZING, MEETINGS[kind])
+    return touches or (name == HALVING.get(kind) and _merging(arc))
 
 
 def located_elsewhere(plane: Plane, arc: Arc) -> Arc | None:
     """An arc of another curve, up to the special point in which an arc ends; or None."""
     # Where their period halves folds end on the curve of flips, and cycles on a border on that of
-    # the border, with half the period; folds and flips end at a degenerate grazing, on the curve
-    # of the border that they touch.
+    # the border, with half the period; folds and flips end on the curve of a border that they
+    # touch, at a degenerate grazing or, where slopes change like a root, with their multiplier.
     orbit = arc.samples[-1].orbit
     if _merging(arc):
         half, own = len(orbit.x) // 2, border_in(arc.curve)
@@ -220,10 +223,14 @@ def located_elsewhere(plane: Plane, arc: Arc) -> Arc | None:
     if away > CONTACT:
         return None
     outer = _beyond(plane, orbit, i, code)  # beyond the border slopes may be finite
-    sides = [(OnBorder(i, each), orbit.with_image(i, outer))
-             for each in outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()[:1]]  # fmt: skip
-    every = (_special_near(plane, *side, PlaneKind.DEGENERATE_GRAZING)
-             for side in (*sides, (OnBorder(i, code), orbit)))  # fmt: skip
+    inside, grazing = (OnBorder(i, code), orbit), PlaneKind.DEGENERATE_GRAZING
+    wanted = [((OnBorder(i, each), orbit.with_image(i, outer)), grazing)
+              for each in outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()[:1]]  # fmt: skip
+    wanted.append((inside, grazing))
+    between = border_between(plane, orbit, inside[0], over_first(outer))
+    if outer.reason or between.kind(plane.first) is not BorderKind.SMOOTH:
+        wanted.append((inside, MEETINGS[kind_of(condition_of(arc.curve))]))
+    every = (_special_near(plane, *cycle, kind) for cycle, kind in wanted)
     return next((found for found in every if found is not None), None)
 
 

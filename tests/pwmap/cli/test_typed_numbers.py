@@ -3,7 +3,8 @@
 import pytest
 from sympy import Rational
 
-from pwmap.cli.reading import assignments, exact, exact_span, map_of, orders_of
+from pwmap.algebra.parsing import exact
+from pwmap.cli.reading import assignments, exact_span, map_of, orders_of
 
 
 @pytest.mark.parametrize(

@@ -430,3 +430,16 @@ def test_wrong_input_gets_a_sentence(
 
 def test_names_of_a_map_are_two() -> None:
     assert FormulaMap([HALF], ("x", "mu")).names == ("x", "mu")
+
+
+def test_values_as_text_are_exact_as_in_pwmap() -> None:
+    """0.1 as text is 1/10; as a float it is the binary number, which 1/10 is not."""
+    lines = PiecewiseLinearMap.from_sympy("Piecewise((k*x + p, x <= 0), (p, True))")
+    assert {str(lines.at({"k": text})) for text in ("0.1", "1/10", " 1e-1")} == {
+        "L  p + x/10  for x <= 0\nR  p         for 0 < x"
+    }
+    for text in ("0.1", "1/10"):
+        (piece,) = from_sympy(K * X + P, X, P, {K: text}).pieces
+        assert piece.value == X / 10 + P
+    (piece,) = from_sympy(K * X + P, X, P, {K: 0.1}).pieces
+    assert piece.value != X / 10 + P

@@ -7,7 +7,7 @@ import numpy as np
 import planes
 import pytest
 import sympy
-from planes import P, Q, X, along, broken
+from planes import P, Q, X, along, broken, special
 
 from pwmap import PiecewiseLinearMap, PointKind
 from woodpecker import Settings, curve_in_two
@@ -54,6 +54,19 @@ class TestPaper:
             assert np.abs(curve.values[:, 0] - 2.0).max() < ROUNDED
             assert set(curve.codes) == {"BC"}
             assert set(curve.notes) == {"fold"}
+
+    @pytest.mark.slow
+    def test_a_cycle_that_ends_behind_a_flat_piece_folds_as_in_diagrams(self) -> None:
+        """The image of L meets the border at r = 2: P_3 has no jump at 2 and -1/2.
+
+        Both lie before L in the cycle LRR, which is flat there and exists for r > 2 alone.
+        """
+        points = special(self.family, 1.25, self.span, SETTINGS, (3,), order=3)
+        ends = [point for point in points if point.kind is PointKind.BC]
+        assert {round(point.x, 9) for point in ends if abs(point.parameter - 2) < 1e-9} >= {2, -0.5}
+        for point in ends:
+            curve = along(self.family, point, 1.25, self.span, SETTINGS)
+            assert {*zip(curve.codes, curve.notes, strict=True)} == {(point.kind, point.note)}
 
     @pytest.mark.nightly
     @pytest.mark.parametrize("right", [1, 2, 3])

@@ -162,6 +162,38 @@ def test_folds_and_flips_end_where_the_root_at_a_border_vanishes(slope: Rational
     assert [kind for _, kind in nodes].count("DG") == 1
 
 
+@pytest.mark.slow
+def test_folds_and_flips_end_where_they_touch_the_end_of_a_power() -> None:
+    """p - x/2 and, for x > 0, p + (q - 2) x + x^(3/2): at x = 0 the slopes are -1/2 and q - 2.
+
+    Flips end there with q = 1; folds of order 2 with both points at 0 and q = 0, or, of the right
+    piece alone, with the points 0 and p, the slopes q - 2 and q - 1/2, and p = 1, q = 0.
+    """
+    beyond = P + (Q - 2) * X + X ** Rational(3, 2)
+    family = family_from_sympy(Piecewise((P - X / 2, X < 0), (beyond, True)), X, (P, Q))
+    expected = {(0.3, PointKind.PD): (0.0, 1.0), (0.3, PointKind.LP): (1.0, 0.0),
+                (-0.3, PointKind.PD): (0.0, 1.0), (-0.3, PointKind.LP): (0.0, 0.0)}  # fmt: skip
+    found = set[tuple[float, PointKind]]()
+    for q in (0.3, -0.3):
+        over_p = family.over(0, (0.0, q))
+        diagram = bifurcation_diagram(over_p, "p", (-2.0, 2.0), (1, 2), (-3.0, 3.0))
+        for point in diagram.points:
+            if point.kind not in (PointKind.PD, PointKind.LP):
+                continue
+            curve = curve_in_two(
+                family, point, ("p", "q"), ((-2.0, 2.0), (-1.0, 2.0)), value=q, settings=SETTINGS
+            )
+            (end,) = [each for each in curve.ends if each.kind.value in ("LPB", "PDB")]
+            assert end.kind.value == f"{point.kind}B"
+            off = np.abs(np.subtract(end.values, expected[q, point.kind]))
+            assert off.max() < 1e-10
+            assert all(off <= end.precision)
+            assert max(end.precision) < 1e-4
+            assert all(each.status.value == "located" for each in curve.points)
+            found.add((q, point.kind))
+    assert found == set(expected)
+
+
 def test_folds_turn_sharply_beside_a_border() -> None:
     """Slopes q - 100 x - 5e-7/sqrt(x) are 1 at q with a minimum of radius 6e-9 at x = 1.8e-6.
 

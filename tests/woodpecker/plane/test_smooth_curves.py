@@ -84,6 +84,21 @@ def test_it_ends_at_the_window() -> None:
     assert {each.cause for each in met.ends} == {"end of the window"}
 
 
+@pytest.mark.slow
+def test_a_point_outside_of_the_window_does_not_leave_it() -> None:
+    """p + 2 below 0, p - 1 - (1/2 + q) x beyond: the cycle of 0 and p + 2 needs p = 4 (1+q)/(1-2q).
+
+    P_2 has a jump at 0 in the window, while p + 2 is 6.
+    """
+    spans, settings = ((2.0, 5.0), (-1.0, 1.0)), Settings(window=(-3.0, 3.0))
+    family = broken(P + 2, P - 1 - (sympy.Rational(1, 2) + Q) * X)
+    curve = through(family, 0.0, spans, settings, (1, 2), kind=PointKind.BC)
+    p, q = curve.values.T
+    assert np.abs(p * (1 - 2 * q) - 4 * (1 + q)).max() < 1e-12
+    assert sorted(p[[0, -1]]) == [2.0, 5.0]
+    assert [end.cause for end in curve.ends] == ["end of the span of p"] * 2
+
+
 @pytest.mark.parametrize(
     ("kind", "change", "sentence"),
     [
