@@ -38,7 +38,7 @@ def _cut(parts: Iterable[AxisPart], places: Callable[[AxisPart], Iterable[Real]]
 
 
 def _slopes_vanish(samples: Samples, part: AxisPart) -> Iterator[Real]:
-    for letter in set(samples.letters):
+    for letter in set(samples.layout.between):
         slope = samples.orbits.polynomial(MultiplierSign((letter,), 0))
         yield from samples.roots(slope, *part)
 
@@ -61,7 +61,7 @@ def _images(samples: Samples, part: AxisPart) -> Iterator[tuple[BreakImage, Germ
         word: Word = ()
         # an orbit that a flat piece takes to a break goes on like that of this break
         while len(word) < samples.order and (germ.side or germ.x not in line.breaks):
-            word = (*word, samples.letters[line.number(germ)])
+            word += samples.layout.word([line.number(germ)])
             germ = line.image(germ)
             yield BreakImage(k, word), germ
 

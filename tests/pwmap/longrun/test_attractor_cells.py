@@ -151,6 +151,17 @@ def test_a_cell_begins_where_its_own_cycle_does() -> None:
             assert cell.cycles == (word,)
 
 
+def test_an_open_cell_ends_at_zero() -> None:
+    """The cycle M R comes back to 3 p - 3/4 through 3 p/2, for 0 < p < 1/4 (before: from 1/65)."""
+    map_ = PiecewiseLinearMap.from_sympy(
+        "Piecewise((p - 1 - 2*x, x <= -5/4), (x/3 + 1/4 + p/2, x <= 0), (2*x - 3/4, True))",
+        letters="LMR",
+    )
+    unknown, known = attractor_diagram(map_, "p", ("-3/32", "5/32"), 1).cells[-2:]
+    assert (unknown.is_open, unknown.upper) == (True, 0)
+    assert (known.is_open, known.lower, known.cycles) == (False, 0, ("MR",))
+
+
 @pytest.mark.slow
 def test_bands_are_sampled_where_an_open_cell_ends() -> None:
     """Left of 1/8 what attracts is open; from there to 1/6 it is one band (before: two)."""
