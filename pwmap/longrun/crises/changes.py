@@ -29,7 +29,6 @@ EFFORT = 24  # divisions of an interval in which samples differ, at most
 CLOSING = -1  # beside an interval that is open: only places that explain a change count
 PLACE = 3  # divisions charged for a place at which samples differ,
 LONG = 24  # and for one beside a cycle longer than the order, where changes may accumulate
-MANY = 12  # places that are tried together; an interval with more is divided first
 PERIOD = 8  # up to which repelling cycles are compared with ends of bands, at least
 SAME = 1e-4  # of their total width, by which bands that count as the same may differ
 
@@ -67,10 +66,8 @@ def changes_between(
         yield from _open(samples, left, right, effort)
         return
     met = sorted(_places(samples, left, right))
-    row = list[Attracted]()  # samples between neighbouring places
-    if 0 < len(met) <= MANY:
-        row = [left, *(samples.between(a, b) for a, b in pairwise(met)), right]
-    if row and not any(each.is_open for each in row):
+    row = [left, *(samples.between(a, b) for a, b in pairwise(met)), right]
+    if met and not any(each.is_open for each in row):
         for place, (x, y) in zip(met, pairwise(row), strict=True):
             yield from _at(samples, place, x, y, effort)
     elif effort > 0:

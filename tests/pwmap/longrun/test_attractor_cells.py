@@ -1,6 +1,9 @@
 """Cells of attracting cycles over a parameter, against inequalities, exact orbits and samples."""
 
+import os
 import random
+import subprocess
+import sys
 from collections.abc import Iterator
 from fractions import Fraction
 from itertools import pairwise, product
@@ -302,6 +305,29 @@ def test_cells_of_random_maps_say_what_attracts_at_random_places() -> None:
 def test_a_budget_that_finishes_nothing_is_an_error() -> None:
     with pytest.raises(BudgetError, match="more than 10 units of work"):
         attractor_diagram(TENT, "a", ("5/4", "9/4"), 2, budget=Budget(work=10))
+
+
+@pytest.mark.slow
+def test_the_work_is_the_same_in_every_process() -> None:
+    """Hashes of texts, and the order of a set of them, are not (before: 500095 and 500100)."""
+    code = (
+        "from pwmap import Budget, PiecewiseLinearMap, attractor_diagram\n"
+        "from pwmap.maps import Meter\n"
+        "meter = Meter(Budget(work=500_000))\n"
+        "map_ = PiecewiseLinearMap.from_sympy('Piecewise(((p/2 - 3/2)*x + 3/2 - p, x < -3/2), "
+        "(p/2 - 1/2 - (1 + p)*x, x < 0), ((p/2 - 2)*x + 5/4 - p, x <= 1/4), (p - x/2, True))')\n"
+        "attractor_diagram(map_, 'p', ('-21/32', '11/32'), 3, budget=meter)\n"
+        "print(meter.work)\n"
+    )
+    works = [
+        subprocess.run(
+            [sys.executable, "-c", code], check=True, capture_output=True, text=True,
+            env={**os.environ, "PYTHONHASHSEED": seed},
+        ).stdout
+        for seed in ("0", "1")
+    ]  # fmt: skip
+    assert works[0] == works[1]
+    assert int(works[0]) > 500_000
 
 
 def test_the_share_of_open_cells_is_known_where_the_interval_is_no_double() -> None:
