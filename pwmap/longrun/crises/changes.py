@@ -4,7 +4,7 @@ A cycle ends where one of its points meets a break or its multiplier is 1 or -1;
 where an end of one meets a break or a point of a repelling cycle. If two samples differ, further
 ones are taken between neighbouring places of this kind, and close to each of them. A change is
 assigned to such a place if it accounts for all differences between the samples on its two sides.
-Intervals in which no place does are divided; what is not settled in the end is open.
+Intervals without such a place are divided; what is not settled in the end is open.
 """
 
 from __future__ import annotations
@@ -114,17 +114,14 @@ def _exactly(
         samples.beside(place, each.place, CLOSER) if begins and (long or each.counts) else each
         for each in (x, y)
     ]
-    if not close[0].is_open:
-        yield from _further(samples, x, close[0], effort)
     pairs = [*zip(close, (x, y), strict=True)]
+    left, right = (far if near.is_open else near for near, far in pairs)
+    yield from _further(samples, x, left, effort)
     if all(not near.is_open and same(samples, near, far) for near, far in pairs):
-        met = _places(samples, *close).get(place, ())
-        yield Onset(place, place, tuple(close), met)
+        yield Onset(place, place, (left, right), _places(samples, left, right).get(place, ()))
     else:
-        left, right = (far if near.is_open else near for near, far in pairs)
         yield from _open(samples, left, right, effort)
-    if not close[1].is_open:
-        yield from _further(samples, close[1], y, effort)
+    yield from _further(samples, right, y, effort)
 
 
 def _further(samples: Samples, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
@@ -181,10 +178,8 @@ def open_around(
     right: Attracted | None,
     effort: int = EFFORT,
 ) -> Iterator[Onset]:
-    """The open interval around a hidden one, as large as needed for its ends to be right.
-
-    It comes with the changes between it and the samples on both sides, if there are any.
-    """
+    """An open interval around a hidden one, as large as its ends need, and changes beside it."""
+    # its ends are right: up to them attractors are those of the samples beside, if there are any
     before, first = _settled(samples, left, hidden[0], effort)
     after, last = _settled(samples, right, hidden[1], effort)
     if left and before:

@@ -1,8 +1,7 @@
 """Places where attractors may change: images of breaks, with short words, meet breaks or cycles.
 
-The images are followed letter by letter, and the interval is cut wherever one meets a break. On a
-part on which all words up to some length are constant, no cycle up to that period begins or ends,
-except where a multiplier is 1 or -1.
+The interval is cut wherever an image meets a break, letter by letter. Where all words up to some
+length are constant, no cycle up to that period begins or ends, unless a multiplier is 1 or -1.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """How far the attractors at a sample are proved to persist: while sides of breaks keep their fates.
 
-Every attracting cycle attracts a side of a break. Its orbit converges once it has followed the word
-of the cycle, twice if the multiplier is negative: all points between orbit and cycle follow it,
-too. An orbit escapes once it follows outer pieces away from where it was before. As long as none of
-these words changes, the same cycles attract.
+Every attracting cycle attracts a side of a break. Its orbit converges once it follows the word of
+the cycle, twice if the multiplier is negative, as do all points in between. It escapes once outer
+pieces take it away from where it was. While none of these words changes, the same cycles attract.
 """
 
 from __future__ import annotations

@@ -201,10 +201,7 @@ def test_neutral_intervals_are_told_where_they_are() -> None:
 
 @pytest.mark.slow
 def test_cells_follow_one_another_where_a_part_of_the_interval_is_open() -> None:
-    """Right of 1/6, where orbits cease to be lost, attractors at some samples are not known.
-
-    Samples on both sides of these bound the open cells (before: one began at 1/8, left of 1/6).
-    """
+    """Right of 1/6, where orbits cease to be lost, samples bound them (before: one from 1/8 on)."""
     map_ = PiecewiseLinearMap.from_sympy(
         "Piecewise((p + 3*x/2 + 3/2, x <= -1/2), (3/2 - p - 2*x, True))"
     )
