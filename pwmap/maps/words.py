@@ -10,7 +10,7 @@ or plus 1, and stay the same wherever these polynomials keep their signs.
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Hashable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from math import prod
@@ -37,6 +37,20 @@ class Layout(NamedTuple):
     def between(self) -> tuple[int, ...]:
         """The letters of the open intervals, from left to right."""
         return self.slots[::2]
+
+    def word(self, numbers: Iterable[int]) -> Word:
+        """The letters of open intervals, given by their numbers from the left."""
+        return tuple(self.slots[2 * number] for number in numbers)
+
+    def around(self, number: int) -> tuple[int, ...]:
+        """The breaks at the ends of an open interval, one or two."""
+        return self.breaks[max(0, number - 1) : number + 1]
+
+    def visits(self, k: int, numbers: Sequence[int]) -> Iterator[CriticalOrbit]:
+        """Yield the decisions by which a side of the break k visits open intervals in turn."""
+        word = self.word(numbers)
+        for n, number in enumerate(numbers[1:], start=1):
+            yield from (CriticalOrbit(k, word[:n], other) for other in self.around(number))
 
 
 @dataclass(frozen=True, slots=True)

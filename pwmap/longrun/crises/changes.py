@@ -4,7 +4,7 @@ A cycle ends where one of its points meets a break or its multiplier is 1 or -1;
 where an end of one meets a break or a point of a repelling cycle. If two samples differ, further
 ones are taken between neighbouring places of this kind, and close to each of them. A change is
 assigned to such a place if it accounts for all differences between the samples on its two sides.
-Intervals in which no place does are divided; what is not settled in the end is open.
+Intervals without such a place are divided; what is not settled in the end is open.
 """
 
 from __future__ import annotations
@@ -29,7 +29,6 @@ EFFORT = 24  # divisions of an interval in which samples differ, at most
 CLOSING = -1  # beside an interval that is open: only places that explain a change count
 PLACE = 3  # divisions charged for a place at which samples differ,
 LONG = 24  # and for one beside a cycle longer than the order, where changes may accumulate
-MANY = 12  # places that are tried together; an interval with more is divided first
 PERIOD = 8  # up to which repelling cycles are compared with ends of bands, at least
 SAME = 1e-4  # of their total width, by which bands that count as the same may differ
 
@@ -64,25 +63,23 @@ def changes_between(
     if same(samples, left, right):
         return
     if _are_long(samples, left, right) and _is_gap(samples, left, right):
-        yield from _opened(samples, left, right, effort)
+        yield from _open(samples, left, right, effort)
         return
     met = sorted(_places(samples, left, right))
-    row = list[Attracted]()  # samples between neighbouring places
-    if 0 < len(met) <= MANY:
-        row = [left, *(samples.between(a, b) for a, b in pairwise(met)), right]
-    if row and not any(each.is_open for each in row):
+    row = [left, *(samples.between(a, b) for a, b in pairwise(met)), right]
+    if met and not any(each.is_open for each in row):
         for place, (x, y) in zip(met, pairwise(row), strict=True):
             yield from _at(samples, place, x, y, effort)
     elif effort > 0:
         third = (right.place - left.place) / 3
         middle = samples.between(left.place + third, right.place - third)
         if middle.is_open:
-            yield from _opened(samples, left, right, effort)
+            yield from _open(samples, left, right, effort)
             return
         yield from changes_between(samples, left, middle, effort - 1)
         yield from changes_between(samples, middle, right, effort - 1)
     elif met or _are_long(samples, left, right):
-        yield from _opened(samples, left, right, effort)
+        yield from _open(samples, left, right, effort)
     else:
         yield Onset(left.place, right.place, (left, right))
 
@@ -93,7 +90,7 @@ def _at(samples: Samples, place: Real, x: Attracted, y: Attracted, effort: int) 
         return
     near = _beside(samples, place, x), _beside(samples, place, y)
     if any(each.is_open for each in near):
-        yield from _opened(samples, x, y, effort)
+        yield from _open(samples, x, y, effort)
         return
     used = LONG if _are_long(samples, x, y) else PLACE
     less = min(effort, max(0, effort - used))
@@ -109,27 +106,22 @@ def _exactly(
     samples: Samples, place: Real, x: Attracted, y: Attracted, effort: int
 ) -> Iterator[Onset]:
     """Yield a change at a place that explains it, and those between it and the samples beside."""
-    if x.words == y.words:
-        if not same(samples, x, y):
-            yield Onset(place, place, (x, y), _places(samples, x, y).get(place, ()))
+    if same(samples, x, y):
         return
-    long = _are_long(samples, x, y)  # then the next one may begin right there
+    # where a cycle begins or ends, mergings of bands or longer cycles may accumulate
+    begins, long = x.words != y.words, _are_long(samples, x, y)
     close = [
-        samples.beside(place, each.place, CLOSER) if long or each.counts else each
+        samples.beside(place, each.place, CLOSER) if begins and (long or each.counts) else each
         for each in (x, y)
     ]
-    if not close[0].is_open:
-        yield from _further(samples, x, close[0], effort)
-    # where a cycle begins or ends, mergings of bands or longer cycles may accumulate
     pairs = [*zip(close, (x, y), strict=True)]
+    left, right = (far if near.is_open else near for near, far in pairs)
+    yield from _further(samples, x, left, effort)
     if all(not near.is_open and same(samples, near, far) for near, far in pairs):
-        met = _places(samples, *close).get(place, ())
-        yield Onset(place, place, tuple(close), met)
+        yield Onset(place, place, (left, right), _places(samples, left, right).get(place, ()))
     else:
-        left, right = (far if near.is_open else near for near, far in pairs)
-        yield from _opened(samples, left, right, effort)
-    if not close[1].is_open:
-        yield from _further(samples, close[1], y, effort)
+        yield from _open(samples, left, right, effort)
+    yield from _further(samples, right, y, effort)
 
 
 def _further(samples: Samples, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
@@ -137,7 +129,7 @@ def _further(samples: Samples, left: Attracted, right: Attracted, effort: int) -
     if effort > 0 or same(samples, left, right):
         yield from changes_between(samples, left, right, effort)
     else:
-        yield from _opened(samples, left, right, effort)
+        yield from _open(samples, left, right, effort)
 
 
 def _beside(samples: Samples, place: Real, sample: Attracted) -> Attracted:
@@ -148,13 +140,11 @@ def _beside(samples: Samples, place: Real, sample: Attracted) -> Attracted:
 
 def _explains(samples: Samples, place: Real, left: Attracted, right: Attracted) -> bool:
     """Whether all differences between the samples on both sides of a place may arise there."""
-    on_the_way = (  # there a cycle ends, and what it gives way to is not known
-        reach(samples, left, left.place, place, 0),
-        reach(samples, right, place, right.place, 0),
-    )
-    ends = (samples.ends_of(word, left.place, right.place) for word in left.words ^ right.words)
+    words = (*left.words, *right.words)
+    ends = (samples.ends_of(w, left.place, right.place) for w in words if words.count(w) == 1)
     return (
-        all(each is None for each in on_the_way)
+        # else a cycle ends on the way, and what it gives way to is not known
+        all(reach(samples, each, place) == place for each in (left, right))
         and all(place in each for each in ends)
         and place in _places(samples, left, right)
     )
@@ -164,59 +154,58 @@ def _is_gap(samples: Samples, left: Attracted, right: Attracted) -> bool:
     """Whether the cycles of the left sample end before those of the right one begin."""
     if left.counts or right.counts:
         return False
-    end = reach(samples, left, left.place, right.place, 0)
-    start = reach(samples, right, left.place, right.place, -1)
-    return end is not None and start is not None and bool(end < start)
+    return bool(reach(samples, left, right.place) < reach(samples, right, left.place))
 
 
 def _are_long(samples: Samples, *both: Attracted) -> bool:
     return any(len(word) > samples.order for each in both for word, _ in each.words)
 
 
-def _opened(samples: Samples, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
+def _open(samples: Samples, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
     """The open interval between two samples, without the parts in which their cycles persist."""
     low, high = left.place, right.place
-    first: Real = low if left.counts else reach(samples, left, low, high, 0) or low
-    last: Real = high if right.counts else reach(samples, right, low, high, -1) or high
-    if not first < last:
-        first, last = low, high
-    yield from opened(samples, left, first, last, right, effort)
+    first, last = reach(samples, left, high), reach(samples, right, low)
+    # cycles that last up to the other sample do not tell where something changes
+    first, last = low if first == high else first, high if last == low else last
+    hidden = (first, last) if first < last else (low, high)
+    yield from open_around(samples, left, hidden, right, effort)
 
 
-def opened(
+def open_around(
     samples: Samples,
     left: Attracted | None,
-    first: Real,
-    last: Real,
+    hidden: tuple[Real, Real],
     right: Attracted | None,
     effort: int = EFFORT,
 ) -> Iterator[Onset]:
-    """An open interval, as large as needed for its ends to be right, and changes beside it."""
-    # up to the ends the attractors are those of the samples on its left and right, if there are any
-    before, after = left, right
-    if left is not None:
-        before, first = _settled(samples, left, first, effort)
+    """An open interval around a hidden one, as large as its ends need, and changes beside it."""
+    # its ends are right: up to them attractors are those of the samples beside, if there are any
+    before, first = _settled(samples, left, hidden[0], effort)
+    after, last = _settled(samples, right, hidden[1], effort)
+    if left and before:
         yield from changes_between(samples, left, before, CLOSING)
-    if right is not None:
-        after, last = _settled(samples, right, last, effort)
-    beside = (before, after) if before is not None and after is not None else ()
-    yield Onset(first, last, beside, is_open=True)
-    if after is not None and right is not None:
+    yield Onset(first, last, (before, after) if before and after else (), is_open=True)
+    if right and after:
         yield from changes_between(samples, after, right, CLOSING)
 
 
-def _settled(samples: Samples, sample: Attracted, end: Real, effort: int) -> tuple[Attracted, Real]:
+def _settled(
+    samples: Samples, sample: Attracted | None, end: Real, effort: int
+) -> tuple[Attracted | None, Real]:
     """A sample that is right up to an end, or to its own place; the same if no effort is left."""
+    if sample is None:
+        return None, end
     closer, proved = settled(samples, sample, end)
     if effort <= CLOSING and not same(samples, *sorted((closer, sample), key=lambda x: x.place)):
         return sample, sample.place
     return closer, proved
 
 
-def reach(samples: Samples, sample: Attracted, low: Real, high: Real, which: int) -> Real | None:
-    """The first (0) or last (-1) place in between where a cycle of a sample may end; or None."""
-    ends = [found[which] for word in sample.words if (found := samples.ends_of(word, low, high))]
-    return (max if which else min)(ends, default=None)
+def reach(samples: Samples, sample: Attracted, end: Real) -> Real:
+    """The first place from a sample towards an end where a cycle of it may end; or that end."""
+    low, high = sorted((sample.place, end))
+    ends = (place for word in sample.words for place in samples.ends_of(word, low, high))
+    return (min if sample.place < end else max)(ends, default=end)
 
 
 # --- Whether something differs ------------------------------------------------------------
@@ -251,7 +240,7 @@ def _places(samples: Samples, left: Attracted, right: Attracted) -> dict[Real, t
     """The places between two samples at which an attractor of either may end, with meetings."""
     low, high = left.place, right.place
     found = dict[Real, tuple[Meeting, ...]]()
-    for word in left.words | right.words:
+    for word in (*left.words, *right.words):
         found |= dict.fromkeys(samples.ends_of(word, low, high), ())
     for sample in (left, right):
         for place, met in _ends_of_bands(samples, sample, low, high):

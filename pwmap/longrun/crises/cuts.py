@@ -1,8 +1,7 @@
 """Places where attractors may change: images of breaks, with short words, meet breaks or cycles.
 
-The images are followed letter by letter, and the interval is cut wherever one meets a break. On a
-part on which all words up to some length are constant, no cycle up to that period begins or ends,
-except where a multiplier is 1 or -1.
+The interval is cut wherever an image meets a break, letter by letter. Where all words up to some
+length are constant, no cycle up to that period begins or ends, unless a multiplier is 1 or -1.
 """
 
 from __future__ import annotations
@@ -38,7 +37,7 @@ def _cut(parts: Iterable[AxisPart], places: Callable[[AxisPart], Iterable[Real]]
 
 
 def _slopes_vanish(samples: Samples, part: AxisPart) -> Iterator[Real]:
-    for letter in set(samples.letters):
+    for letter in set(samples.layout.between):
         slope = samples.orbits.polynomial(MultiplierSign((letter,), 0))
         yield from samples.roots(slope, *part)
 
@@ -61,7 +60,7 @@ def _images(samples: Samples, part: AxisPart) -> Iterator[tuple[BreakImage, Germ
         word: Word = ()
         # an orbit that a flat piece takes to a break goes on like that of this break
         while len(word) < samples.order and (germ.side or germ.x not in line.breaks):
-            word = (*word, samples.letters[line.number(germ)])
+            word += samples.layout.word([line.number(germ)])
             germ = line.image(germ)
             yield BreakImage(k, word), germ
 

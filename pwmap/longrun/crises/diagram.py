@@ -13,25 +13,23 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import chain, pairwise
-from typing import Any
 
 import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened, shown
-from pwmap.algebra.exact import Number
 from pwmap.algebra.numbers import to_double
 from pwmap.algebra.roots import Real, bounds, real_to_sympy, simplest_between
 from pwmap.algebra.texts import printable
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.crises.changes import Onset, changes_between, kind_of, opened, reach
+from pwmap.longrun.crises.changes import Onset, changes_between, kind_of, open_around, reach
 from pwmap.longrun.crises.cuts import cuts_between
 from pwmap.longrun.crises.meetings import Meeting
 from pwmap.longrun.crises.samples import Attracted, Samples, glimpsed
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
+from pwmap.maps.budget import BUDGET, Budget, Meter, checked_size, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import first_rotation
 from pwmap.parameters.cells import span_of_only
@@ -199,8 +197,11 @@ def attractor_diagram(
     with meter.keeping(parts):
         for start, end in meter.each([*pairwise(ends)], "parts of the interval"):
             parts.append([*_events(samples, start, end, _last(parts))])
-    rest = _rest(samples, _last(parts), ends[len(parts)], high)
-    cells, crises = _assembled(samples, [*chain.from_iterable(parts), *rest], low)
+    events = [*chain.from_iterable(parts)]
+    if len(parts) < PARTS:  # changes since the last sample may be in parts that are not finished
+        last = _last(parts)
+        events.append(Onset(last.place if last else ends[len(parts)], high, is_open=True))
+    cells, crises = _assembled(samples, events, low)
     return AttractorDiagram(
         map=map_,
         parameter=map_.parameters[0],
@@ -241,96 +242,76 @@ def _last(parts: Sequence[Sequence[Event]]) -> Attracted | None:
 
 def _events(samples: Samples, start: Real, end: Real, before: Attracted | None) -> Iterator[Event]:
     """Yield the samples of a part that are not open, and the changes and open intervals between."""
-    hidden: tuple[Real, Real] | None = None  # the interval of open samples since the last known one
+    # the interval of open samples since the last known one; a place if there is none before it
+    hidden = None if before else (start, start)
     for low, high, sample in list(_taken(samples, start, end)):
         if sample.is_open:  # another sample of the same interval may be known
-            low = low if before is None else max(low, before.place)
+            low = max(low, before.place) if before else low
             hidden = (hidden[0] if hidden else low), high
             continue
-        hidden = hidden and (hidden[0], min(hidden[1], sample.place))
-        if before is not None:
-            changes = list(changes_between(samples, before, sample))
-            if hidden and not changes:
-                yield from _open(samples, before, *hidden, sample)
-            yield from changes
-        else:
-            first, last = hidden or (start, start)
-            begin = reach(samples, sample, last, sample.place, -1)
-            if hidden or begin is not None or start > samples.span[0]:  # else nothing is open there
-                yield from opened(samples, None, first, last if begin is None else begin, sample)
+        changes = list(changes_between(samples, before, sample)) if before else []
+        if hidden and not changes:
+            hidden = hidden[0], min(hidden[1], sample.place)
+            yield from _open_part(samples, before, hidden, sample)
+        yield from changes
         yield sample
         before, hidden = sample, None
+    if end == samples.span[1]:
+        hidden = hidden or (end, end)
     if hidden:
-        yield from _open(samples, before, *hidden)
+        yield from _open_part(samples, before, hidden, None)
 
 
-def _open(
-    samples: Samples,
-    before: Attracted | None,
-    low: Real,
-    high: Real,
-    after: Attracted | None = None,
+def _open_part(
+    samples: Samples, before: Attracted | None, hidden: tuple[Real, Real], after: Attracted | None
 ) -> Iterator[Onset]:
-    """An open interval that begins where a cycle of the sample before it may end."""
-    end = None if before is None else reach(samples, before, before.place, low, 0)
-    first = low if end is None else end
-    if first < high:
-        yield from opened(samples, before, first, high, after)
-    else:  # the end of the whole interval
-        yield Onset(first, high, is_open=True)
-
-
-def _rest(samples: Samples, last: Attracted | None, end: Real, high: Real) -> list[Onset]:
-    """The unfinished rest of the interval, as an open interval."""
-    if last is not None and last.counts and end < high:
-        return [Onset(last.place, high, is_open=True)]  # bands may change before the next sample
-    try:
-        return [*_open(samples, last, end, high)]
-    except BudgetError:  # the end of the last cell cannot be computed
-        assert last is not None
-        return [Onset(last.place, high, is_open=True)]
+    """The open interval around a hidden one, between places where cycles beside it may end."""
+    first, last = (
+        end if sample is None else reach(samples, sample, end)
+        for sample, end in zip((before, after), hidden, strict=True)
+    )
+    if first == last and first in samples.span:  # cycles persist up to an end of the interval
+        yield Onset(first, last, is_open=True)
+    else:
+        yield from open_around(samples, before, (first, last), after)
 
 
 def _assembled(
-    samples: Samples, events: Iterable[Event], low: Real
+    samples: Samples, events: Sequence[Event], low: Real
 ) -> tuple[list[AttractorCell], list[Crisis]]:
     """Assemble cells and crises from the events to the right of a place."""
-    cells, crises, inside = list[AttractorCell](), list[Crisis](), list[Attracted]()
-    opened = low  # start of the last open cell
-    for event in events:
-        if isinstance(event, Attracted):
-            inside.append(event)
-            continue
-        inside += event.beside[:1]
-        known = [each for each in inside if low < each.place < event.low]
+    rows, crises = list[tuple[Real, Real, Attracted | None]](), list[Crisis]()
+    onsets = [event for event in events if isinstance(event, Onset)]
+    seen = [x for event in events for x in (event.beside if isinstance(event, Onset) else (event,))]
+    for event in onsets:
+        known = [each for each in seen if low < each.place < event.low]
         if known:  # the sample with the smallest denominator stands for the cell
-            sample = min(known, key=lambda each: QQ.denom(each.place))
-            cells.append(
-                _cell(
-                    samples, low, event.low, sample.place, cycles=sample.cycles,
-                    neutral=sample.neutral, bands=tuple(map(samples.formulas, sample.ends)),
-                )
-            )  # fmt: skip
+            rows.append((low, event.low, min(known, key=lambda each: QQ.denom(each.place))))
             low = event.low
-        start = min(event.low, low)
-        if start < event.high:
-            if cells and cells[-1].is_open:  # then both are joined
-                cells.pop()
-                start = opened
-            place = simplest_between(start, event.high)
-            cells.append(_cell(samples, start, event.high, place, is_open=True))
-            low, opened = event.high, start
+        if low < event.high:
+            if rows and rows[-1][2] is None:  # then both are joined
+                low = rows.pop()[0]
+            rows.append((low, event.high, None))
+            low = event.high
         kind = None if event.is_open else kind_of(samples, event)
         if kind is not None:
             crises.append(_crisis(event, kind))
-        inside = [*event.beside[1:]]
-    return cells, crises
+    return [_cell(samples, *row) for row in rows], crises
 
 
-def _cell(samples: Samples, low: Real, high: Real, place: Number, **found: Any) -> AttractorCell:
-    ends = {"lower": real_to_sympy(low), "upper": real_to_sympy(high)}
-    line = samples.line(place)
-    return AttractorCell(**ends, sample=QQ.to_sympy(place), line=line, **found)
+def _cell(samples: Samples, low: Real, high: Real, sample: Attracted | None) -> AttractorCell:
+    """The cell between two places with a sample; without one it is open."""
+    place = simplest_between(low, high) if sample is None else sample.place
+    return AttractorCell(
+        lower=real_to_sympy(low),
+        upper=real_to_sympy(high),
+        sample=QQ.to_sympy(place),
+        line=samples.line(place),
+        cycles=sample.cycles if sample else (),
+        bands=tuple(map(samples.formulas, sample.ends)) if sample else (),
+        neutral=sample.neutral if sample else (),
+        is_open=sample is None,
+    )
 
 
 def _crisis(change: Onset, kind: PointKind) -> Crisis:

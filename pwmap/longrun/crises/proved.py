@@ -1,14 +1,13 @@
 """How far the attractors at a sample are proved to persist: while sides of breaks keep their fates.
 
-Every attracting cycle attracts a side of a break. Its orbit converges once it has followed the word
-of the cycle, twice if the multiplier is negative: all points between orbit and cycle follow it,
-too. An orbit escapes once it follows outer pieces away from where it was before. As long as none of
-these words changes, the same cycles attract.
+Every attracting cycle attracts a side of a break. Its orbit converges once it follows the word of
+the cycle, twice if the multiplier is negative, as do all points in between. It escapes once outer
+pieces take it away from where it was. While none of these words changes, the same cycles attract.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
 from itertools import islice
 
 from pwmap.algebra.roots import Real
@@ -30,14 +29,14 @@ def settled(samples: Samples, sample: Attracted, end: Real) -> tuple[Attracted, 
     # more sample is taken close to the end; if that is open, only the place of the sample is right.
     if sample.place == end:
         return sample, end
-    known = sample.words
+    known: Container[tuple[str, bool]] = sample.words
     if sample.counts:
         closer = samples.beside(end, sample.place, CLOSER)
         if closer.is_open:
             return sample, sample.place
         if closer.counts:
             return closer, end
-        sample, known = closer, frozenset()
+        sample, known = closer, ()
     for _ in range(TRIES):
         doubts = _doubts(samples, sample, end, known)
         if not doubts:
@@ -53,11 +52,12 @@ def settled(samples: Samples, sample: Attracted, end: Real) -> tuple[Attracted, 
 
 
 def _doubts(
-    samples: Samples, sample: Attracted, end: Real, known: frozenset[tuple[str, bool]]
+    samples: Samples, sample: Attracted, end: Real, known: Container[tuple[str, bool]]
 ) -> set[Real]:
     """The places between a sample and an end where cycles may end or sides of breaks change."""
     low, high = sorted((sample.place, end))
-    found = {x for word in sample.words - known for x in samples.ends_of(word, low, high)}
+    new = (word for word in sample.words if word not in known)
+    found = {x for word in new for x in samples.ends_of(word, low, high)}
     for k, orbit in zip(samples.breaks, sample.found.orbits, strict=True):
         route = _route(samples, sample, orbit)
         if route is None:
@@ -70,11 +70,9 @@ def _doubts(
 def _decisions(samples: Samples, k: int, route: Route, *, is_lost: bool) -> Iterator[Decision]:
     """Yield the quantities whose signs decide the fate of a side of the break k."""
     numbers, turn = route
-    word = samples.word(numbers)
+    word = samples.layout.word(numbers)
     yield from (MultiplierSign((letter,), 0) for letter in set(word))
-    for n, number in enumerate(numbers[1:], start=1):
-        beside = samples.layout.breaks[max(0, number - 1) : number + 1]
-        yield from (CriticalOrbit(k, word[:n], other) for other in beside)
+    yield from samples.layout.visits(k, numbers)
     start = len(word) - turn
     if turn:
         yield from units_of(word[start:])
@@ -90,7 +88,7 @@ def _route(samples: Samples, sample: Attracted, orbit: GermOrbit) -> Route | Non
     if orbit.fate is Fate.FINITE:
         if any(germ.x in cycle.points for germ in orbit.again for cycle in cycles):
             return orbit.numbers, 0
-        units = units_of(samples.word(orbit.word))
+        units = units_of(samples.layout.word(orbit.word))
         is_neutral = not all(map(samples.orbits.polynomial, units))
         # else it tells nothing about the points beside it, unless all of them have one image
         is_sure = is_neutral or not line.piece(germs[0]).slope

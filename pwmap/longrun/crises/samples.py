@@ -71,9 +71,10 @@ class Attracted:
         return tuple(sorted(map(len, self.found.bands)))
 
     @property
-    def words(self) -> frozenset[tuple[str, bool]]:
-        """The words of cycles (with True) and of neutral intervals (with False)."""
-        return frozenset([(w, True) for w in self.cycles] + [(w, False) for w in self.neutral])
+    def words(self) -> tuple[tuple[str, bool], ...]:
+        """The words of cycles (with True) and of neutral intervals (with False), each in order."""
+        # no set: the hashes of texts, and with them its order, differ from one process to the next
+        return (*((w, True) for w in self.cycles), *((w, False) for w in self.neutral))
 
     @property
     def is_open(self) -> bool:
@@ -93,15 +94,11 @@ class Samples:
     ) -> None:
         self.map, self.orbits, self.order, self.meter = map_, map_.orbits, order, meter
         self.span = span
-        self.layout, self.letters = map_.layout, map_.layout.between
+        self.layout = map_.layout
         self.breaks = [k for k in self.layout.breaks for _ in (-1, 1)]  # one for each germ
         # caches of the instance: those of the class would keep all samples alive
         self.line, self.at = cache(partial(line_at, map_)), cache(self._at)
         self.cycles, self.ends_of = cache(self._cycles), cache(self._ends_of)
-
-    def word(self, numbers: Iterable[int]) -> Word:
-        """The letters of branches, given by their numbers."""
-        return tuple(self.letters[number] for number in numbers)
 
     def _at(self, place: Number) -> Attracted:
         """The attractors at a rational value; open if they need more work than one place may."""
@@ -142,7 +139,7 @@ class Samples:
         """The words and multipliers of all cycles up to a period."""
         levels = levels_of(self.line(place), self.meter)
         found = closed_words(chain.from_iterable(islice(levels, order)))
-        return [(self.word(numbers), whole.slope) for numbers, whole, _ in found]
+        return [(self.layout.word(numbers), whole.slope) for numbers, whole, _ in found]
 
     def repelling(self, place: Number, order: int) -> list[Word]:
         """The words of all repelling cycles up to a period."""

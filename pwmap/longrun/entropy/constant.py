@@ -147,7 +147,7 @@ class _Study:
 
     def __init__(self, map_: PiecewiseLinearMap, steps: int, meter: Meter) -> None:
         self.map, self.orbits, self.steps, self.meter = map_, map_.orbits, steps, meter
-        self.layout, self.letters = map_.layout, map_.layout.between
+        self.layout = map_.layout
         self.growth = cache(self._growth)  # of the instance, which a class's cache would keep
 
     def admits(self, place: Real) -> bool:
@@ -157,8 +157,8 @@ class _Study:
     def proof(self, line: MapLine) -> Proof | GapCause:
         """The growth of laps with the decisions on which it depends, or why it is not known."""
         if all(-1 <= branch.slope <= 1 for branch in line.branches):
-            units = [MultiplierSign((k,), unit) for k in set(self.letters) for unit in (1, -1)]
-            return QQ.one, tuple(units), False
+            letters = set(self.layout.between)
+            return QQ.one, tuple(MultiplierSign((k,), u) for k in letters for u in (1, -1)), False
         itineraries = self.itineraries(line)
         fates = {each.fate for each in itineraries}
         if Fate.OPEN in fates:
@@ -167,7 +167,7 @@ class _Study:
         growth = growth_by_kneading(line, itineraries)
         if growth is None:
             return GapCause.LARGE
-        decided: dict[Decision, None] = {MultiplierSign((k,), 0): None for k in self.letters}
+        decided: dict[Decision, None] = {MultiplierSign((k,), 0): None for k in self.layout.between}
         for number, itinerary in enumerate(itineraries):
             decided |= dict.fromkeys(self.decisions(line, number // 2, itinerary))
         return growth, tuple(decided), Fate.MATCHED in fates
@@ -221,17 +221,14 @@ class _Study:
         if found is None:
             return None
         k = self.layout.breaks[number]
-        words = (tuple(self.letters[i] for i in each.numbers) for each in found)
-        one, other = (self.orbits.orbit(k, word) for word in words)
+        one, other = (self.orbits.orbit(k, self.layout.word(each.numbers)) for each in found)
         return found if one == other else None
 
     def decisions(self, line: MapLine, number: int, itinerary: GermOrbit) -> Iterator[Decision]:
         """Yield the decisions, but for signs of slopes, on which a germ's itinerary depends."""
         k = self.layout.breaks[number]
-        word = tuple(self.letters[i] for i in itinerary.numbers)
-        for n, piece in enumerate(itinerary.numbers):
-            for other in self.around(piece) if n else ():
-                yield CriticalOrbit(k, word[:n], other)
+        word = self.layout.word(itinerary.numbers)
+        yield from self.layout.visits(k, itinerary.numbers)
         again = word[itinerary.start :]
         slope = prod(sign(line.branches[k].slope) for k in itinerary.word)
         match itinerary.fate:
@@ -243,10 +240,7 @@ class _Study:
                 yield MultiplierSign(tuple(sorted(again)), 1)
                 for n, piece in enumerate(itinerary.word):
                     turned = again[n:] + again[:n]
-                    yield from (CriticalOrbit(b, turned, b) for b in self.around(piece))
-
-    def around(self, piece: int) -> tuple[int, ...]:
-        return self.layout.breaks[max(0, piece - 1) : piece + 1]
+                    yield from (CriticalOrbit(b, turned, b) for b in self.layout.around(piece))
 
     def polynomials(self, decisions: Iterable[Decision]) -> list[Dense]:
         """The polynomials of decisions, from the lowest degree on, without those that are zero."""
