@@ -1,7 +1,6 @@
 """Output of the commands of both packages: tables and sentences for people, or for a program.
 
-With ``--format`` csv or json only tables go to stdout, and sentences to stderr. In a pipe no line
-is broken.
+With ``--format`` only tables go to stdout, and sentences to stderr. In a pipe no line is broken.
 """
 
 from __future__ import annotations

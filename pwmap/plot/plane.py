@@ -56,8 +56,7 @@ def plot_plane(
         The plane, the attractors at points of it, and the quantity that colours show; without a
         raster, cells are coloured by the attracting cycles of the orders of the plane.
     samples, ax, legend, styles
-        Points along a curve across the plane; the others as for :func:`pwmap.plot.plot_diagram`,
-        errors included.
+        Points along a curve across the plane; others, and errors, as for ``plot_diagram``.
 
     Returns
     -------

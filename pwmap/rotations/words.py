@@ -111,8 +111,7 @@ def rotation_number(word: str, letters: str = "LR") -> Fraction:
     Parameters
     ----------
     word, letters
-        The word of a cycle, such as ``"LLR"``, which need not be rotational, and the letters of the
-        left and the right piece.
+        Any word of a cycle, such as ``"LLR"``, and the letters of the left and the right piece.
 
     Returns
     -------

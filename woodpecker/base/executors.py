@@ -251,8 +251,7 @@ _received = lru_cache(maxsize=KEPT)(cloudpickle.loads)  # the work and what is s
 def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     """A pool of ``count`` worker processes, all started at once; None if none can be started.
 
-    They end with the block or this process, and ignore Ctrl-C. WorkerLostError if one ends before
-    its task does.
+    They end with the block or this process, and ignore Ctrl-C. WorkerLostError if one ends early.
     """
     if multiprocessing.current_process().daemon:  # such a process may have no children
         yield None

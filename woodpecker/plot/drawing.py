@@ -349,8 +349,7 @@ def animate(
 ) -> Path:
     """Write the motion as an animation: GIF, or MP4 where ffmpeg is installed.
 
-    The picture moves down the pole at the toy's mean speed. Impacts stay marked for a sixth of a
-    second.
+    The picture moves down the pole at the toy's mean speed. Impacts stay marked for 1/6 s.
 
     Parameters
     ----------

@@ -303,8 +303,7 @@ def plot_local(
         Largest distance of the parameter from the collision; by default a fortieth of the shortest
         branch that starts there, since the model is of first order.
     styles
-        Properties of matplotlib by the names in the legends, and ``"prediction"`` for the lines
-        behind the diagram.
+        Properties of matplotlib by names in the legends, and ``"prediction"`` for the lines behind.
 
     Raises
     ------

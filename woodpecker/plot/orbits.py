@@ -37,8 +37,7 @@ def plot_orbits(
     size
         Size of a dot [pt], by default from 1.2 to 4, the larger the fewer parameters there are.
     legend, styles
-        Whether to have a legend of all that is on the axes; properties of matplotlib by the names
-        in it.
+        Whether to have a legend of all that is on the axes; properties of matplotlib by its names.
 
     Examples
     --------

@@ -65,8 +65,7 @@ def plot_system_motion(
     axes
         One for each of them; new ones by default.
     legend, styles
-        Whether to have a legend of the marks; properties of matplotlib by the names in it and
-        ``"motion"``.
+        Whether to have a legend of the marks; properties by its names, and ``"motion"``.
 
     Raises
     ------

@@ -92,8 +92,7 @@ def connected(
     progress
         Called before the first branch, and with each finished one.
     on_interrupt
-        Called at Ctrl-C; what is finished is then returned. By default ``KeyboardInterrupt`` is
-        raised.
+        Called at Ctrl-C, then what is finished is returned; by default ``KeyboardInterrupt``.
 
     Returns
     -------

@@ -129,8 +129,7 @@ def simulate(
     TypeError
         If it is no system, or the start no mapping.
     ValueError
-        If a symbol is unknown, a value not finite, a contact penetrated, or M not positive definite
-        at the start.
+        If a symbol is unknown, a value not finite, a contact penetrated, or M not definite there.
 
     Examples
     --------

@@ -162,8 +162,7 @@ def attractor_diagram(
         unless they cancel between two of these places. Where many longer cycles attract in turn,
         some have cells, and the intervals between them are open.
     budget
-        Where it ends, or an interrupt does, the finished parts from the left are kept, and the rest
-        is one open cell.
+        If it ends, or at Ctrl-C, finished parts are kept, and the rest is one open cell.
 
     Returns
     -------
