@@ -46,4 +46,4 @@ def test_colours_say_what_is_stable() -> None:
     }  # fmt: skip
     assert described(one) == "period 1: 1 stable"
     assert described((Count(1, 0, 0), Count(2, 1, 3))) == "period 2: 1 stable, 3 unstable"
-    assert described((Count(1, 0, 0),)) == "none"
+    assert described((Count(1, 0, 0),)) == "no cycle of these orders"

@@ -66,6 +66,7 @@ def test_basins_have_the_colours_of_their_cycles() -> None:
     assert np.asarray(mesh.get_array()).tolist() == [[1, 0], [1, 0]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", [1.0, 1e-6])
 def test_numbers_of_small_machines_are_those_of_large_ones(unit: float) -> None:
     """A machine in metres has wells at (+-1, 0), one in micrometres has them at 1e-6 times that."""
