@@ -16,8 +16,9 @@ from sympy.polys.rings import PolyElement
 from pwmap.algebra.arguments import shown
 from pwmap.algebra.exact import Fraction_, Number, Ring, cancelled, constant, is_constant
 from pwmap.algebra.exact import bits as bits_of
-from pwmap.algebra.parsing import exact, term_of
+from pwmap.algebra.parsing import term_of
 from pwmap.algebra.terms import CONDITIONS, MAX_BITS, Operation, Term, plain_name
+from pwmap.algebra.texts import exact
 
 MAX_DEGREE = 64  # of a polynomial in the parameters, and in the variable
 MAX_PARAMETERS = 64  # far more than any map has; the work on polynomials grows fast with it

@@ -12,7 +12,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from fractions import Fraction
 from functools import partial
 from itertools import pairwise
 from math import inf
@@ -70,16 +69,6 @@ FUNCTIONS: dict[str, tuple[Operation, int, float]] = {
     "Integer": (Operation.PRODUCT, 1, 1),
 }
 FUNCTIONS |= {name.lower(): FUNCTIONS[name] for name in ("Abs", "Max", "Min")}  # also as in Python
-
-
-# at most as long as the integers of a formula
-_DECIMAL = re.compile(r"[+-]?(?=.{1,999}$)(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
-
-
-def exact(text: str) -> str:
-    """A decimal as an exact fraction, 1.25 as 5/4; other text as it is."""
-    stripped = text.strip()
-    return str(Fraction(stripped)) if _DECIMAL.fullmatch(stripped) else text
 
 
 def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import fields
 from fractions import Fraction
@@ -14,6 +15,8 @@ Kind = TypeVar("Kind")
 
 # suffix of sympy's Interval, by which ends are open
 OPEN = {(False, False): "", (True, True): ".open", (True, False): ".Lopen", (False, True): ".Ropen"}
+# at most as long as the integers of a formula
+_DECIMAL = re.compile(r"[+-]?(?=.{1,999}$)(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
 
 
 def text(value: Any, usual: Callable[[object], str] = str) -> str:
@@ -63,3 +66,9 @@ def _printer() -> Any:
     }
     methods["_print_Interval"] = interval
     return type("Short", (StrPrinter,), methods)()
+
+
+def exact(text: str) -> str:
+    """A decimal as an exact fraction, 1.25 as 5/4; other text as it is."""
+    stripped = text.strip()
+    return str(Fraction(stripped)) if _DECIMAL.fullmatch(stripped) else text

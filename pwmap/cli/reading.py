@@ -9,7 +9,7 @@ from itertools import chain
 from typing import TYPE_CHECKING
 
 import pwmap
-from pwmap.algebra.parsing import exact
+from pwmap.algebra.texts import exact
 
 if TYPE_CHECKING:
     from pwmap.algebra.terms import Term

@@ -3,7 +3,7 @@
 import pytest
 from sympy import Rational
 
-from pwmap.algebra.parsing import exact
+from pwmap.algebra.texts import exact
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of
 
 
