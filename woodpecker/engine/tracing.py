@@ -511,7 +511,10 @@ def _at_nearest(arc: Arc) -> Arc:
 
 
 def _leap(begin: Beginning, arc: Arc) -> Continuation | None:
-    """The same crossing beyond dense borders, which do not change its own; None if not found."""
+    """The same crossing beyond dense borders, which do not change the border along which it leads.
+
+    None if it is not found there.
+    """
     if not begin.is_crossing or arc.stop not in (Stop.BORDER, Stop.DENSE):
         return None
     cause = cause_of(arc) if arc.stop is Stop.BORDER else ACCUMULATE
