@@ -97,7 +97,7 @@ MECHANISMS: Final = (
     Mechanism("engine.tracing", "_from_beside", gives(None), "start beside a root by its margin"),
     Mechanism("engine.tracing", "round_corner", gives(None), "leave a corner on another border"),
     Mechanism("engine.tracing", "leads_back", gives(False), "never go back on the same border"),
-    Mechanism("engine.tracing", "_leap", gives(None), "pass where words of limits are dense"),
+    Mechanism("engine.tracing", "DENSE", 0.0, "pass where words of limits are dense"),
     Mechanism("engine.tracing", "over_accumulation", gives(None), "pass where borders accumulate"),
     Mechanism("engine.tracing", "crossing_beyond", gives(None), "pass the same with a crossing"),
     Mechanism("engine.tracing", "_with_other_limit", gives(None), "change one limit's word"),

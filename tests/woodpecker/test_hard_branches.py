@@ -13,7 +13,6 @@ from woodpecker.base.settings import Settings
 from woodpecker.diagrams import bifurcation_diagram, continuation
 from woodpecker.engine.arrivals import LIMIT_LOST
 from woodpecker.engine.curves import Stop
-from woodpecker.engine.following import StopRequests
 from woodpecker.engine.germs import beginnings, crossings_at
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.tracing import trace
@@ -239,19 +238,6 @@ def test_a_crossing_whose_words_are_dense_reaches_its_end() -> None:
     assert found.stop is Stop.SHARE
     assert found.arrival.orbit.p[0] == pytest.approx(0.670591962749412, abs=1e-12)
     assert len(found.samples) < 1000
-
-
-@SLOW_TOY
-def test_a_crossing_leaps_where_a_limit_turns_fast_within_one_word() -> None:
-    """A limit falls far out of the window: its margins turn within 1e-9, but hardly vanish."""
-    toy, parameter, span, window, _ = random_toy(63)
-    settings = Settings(span=span, window=window)
-    tasks = Tasks.of_line(ToyPieces(toy, parameter), settings)
-    x, p = np.array([[-0.9872090125408813]]), np.array([0.7231477622129742])
-    (ahead,) = (each for each in beginnings(tasks.base, x, p, (1,)) if each.is_crossing)
-    found = trace(ahead, (1,), StopRequests(lambda: tasks.evaluations > 50_000))
-    assert found.stop is Stop.SPAN
-    assert found.arrival.orbit.x[0, 0] == pytest.approx(-0.985380666246934, abs=1e-12)
 
 
 @NIGHTLY_TOY

@@ -58,7 +58,6 @@ class Stop(Enum):
     CLOSED = "the branch closes"
     OTHER_PIECE = "the map takes another piece"
     SHORT = "steps become too short"
-    DENSE = "many short steps lead hardly ahead"
     MANY = "as many samples as allowed"
     SPENT = "as many evaluations as allowed"
     ASKED = "stopped as asked"

@@ -35,9 +35,6 @@ CLOSE = 2.0**-14  # scaled: only refused steps shorter than this suggest the end
 # Bound of the change of a margin in a step: a multiple of what the larger of its rates at both ends
 # predicts, plus a part of its size for rounding.
 LARGEST_CHANGE, LARGEST_CHANGE_PART = 4.0, 2.0**-20
-# Scaled: if so many steps of a crossing on a straight part are shorter together, borders of its
-# limits are dense. Steps that double grow from some 1e-9 to this length in as many.
-DENSE, DENSE_STEPS = 1e-4, 16
 MERGED_PART = 2.0**-8  # of their previous distance: points of a cycle closer than this have merged
 
 
@@ -98,8 +95,6 @@ def follow(
         if taken.is_last:
             return Arc((*samples, taken.sample), Stop.SPAN, curve)
         samples.append(taken.sample)
-        if _are_dense(curve, samples[-1 - DENSE_STEPS :]):
-            return Arc(tuple(samples), Stop.DENSE, curve, step=step)
         turn = taken.turn
         # Double the step, but not after a refusal, nor beyond where it would turn by KEPT_TURN.
         growth = 2.0 if grows else 1.0
@@ -147,16 +142,6 @@ def _ended(curve: SolutionCurve, samples: Sequence[Sample], last: _Step, step: f
         (*samples, end.sample), test.stop, curve, test.border, beyond, test.condition, step,
         end.width, test,
     )  # fmt: skip
-
-
-def _are_dense(curve: SolutionCurve, samples: Sequence[Sample]) -> bool:
-    """Whether steps of a crossing in R^1 are short, though it hardly turns: so its limits do."""
-    first, last = samples[0], samples[-1]
-    is_crossing = first.orbit.outer is not None and first.orbit.x.shape[1] == 1
-    if len(samples) <= DENSE_STEPS or not is_crossing:
-        return False
-    length = norm(curve.problem.step_between(first.orbit, last.orbit))
-    return length < DENSE and angle(first, last) <= curve.settings.max_turn
 
 
 def leaves(curve: SolutionCurve, start: Sample) -> Stop | None:

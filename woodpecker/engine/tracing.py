@@ -26,7 +26,7 @@ from woodpecker.engine.arrivals import (
     round_corner,
 )
 from woodpecker.engine.curves import SAME_END, Arc, Sample, SolutionCurve, Stop, nearest_border
-from woodpecker.engine.following import DENSE, KEPT_TURN, StopRequests, angle, follow, leaves
+from woodpecker.engine.following import KEPT_TURN, StopRequests, angle, follow, leaves
 from woodpecker.engine.germs import (
     SAME,
     Beginning,
@@ -66,9 +66,10 @@ NEAR = 1e-9  # scaled: a border closer than this is what makes steps too short
 FARTHEST = 2.0**-7  # scaled: how far a branch may hug its border: a weak root holds it so close
 MORE_SOLVES = 3  # further calls of Newton's method beside a border
 FIRST_STEP_BEYOND = 4.0  # times the last step before a border: the first step beyond it
+DENSE = 1e-4  # scaled: several arcs in a row that are shorter mean that borders are dense
 # Scaled: how far crossings leap over dense borders; ever less as they come near their end.
 LEAPS = tuple(DENSE * 4.0**-n for n in range(10))
-MANY_SHORT = 4  # arcs in a row, shorter than DENSE, that make borders dense
+MANY_SHORT = 4  # arcs in a row that make borders dense
 MOST_ARCS = 2000  # on one branch
 
 
@@ -126,11 +127,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: StopRequests | None = N
         arc, outer = refined_end(arc)
         samples += arc.samples[1:]
         short = short + 1 if _length(arc) < DENSE else 0
-        over = _leap(at, arc) if short >= MANY_SHORT else None
-        if over is None and arc.stop is Stop.DENSE:
-            at = replace(at, sample=samples[-1], before=None)
-            continue
-        passed = over or _arrival_of(at, arc, samples, outer, orders)
+        passed = _arrival_of(at, arc, samples, outer, orders, dense=short >= MANY_SHORT)
         if isinstance(passed, Arrival):
             break
         at, cause, smooth = passed
@@ -173,7 +170,7 @@ def _length(arc: Arc) -> float:
 
 def _arrival_of(
     begin: Beginning, arc: Arc, way: Sequence[Sample], outer: SpaceImage | None,
-    orders: Sequence[int],
+    orders: Sequence[int], *, dense: bool,
 ) -> Arrival | Continuation:  # fmt: skip
     """What an arc ends at: a special point, or a change of word with what goes on there."""
     # ``way`` has all samples of the branch up to there.
@@ -185,7 +182,7 @@ def _arrival_of(
     if outer is not None:
         return _at_border(begin, arc, way, outer, orders)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
-        return _at_crossing(begin, arc, way, orders)
+        return _at_crossing(begin, arc, way, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
         return over_accumulation(begin, arc, way, ACCUMULATE) or given_up(arc)
     return given_up(arc)
@@ -510,26 +507,19 @@ def _at_nearest(arc: Arc) -> Arc:
 # --- Crossings ------------------------------------------------------------------------------------
 
 
-def _leap(begin: Beginning, arc: Arc) -> Continuation | None:
-    """The same crossing beyond dense borders, which do not change the border along which it leads.
-
-    None if it is not found there.
-    """
-    if not begin.is_crossing or arc.stop not in (Stop.BORDER, Stop.DENSE):
-        return None
-    cause = cause_of(arc) if arc.stop is Stop.BORDER else ACCUMULATE
-    found = (crossing_beyond(begin, arc, cause, (away,)) for away in LEAPS)
-    return next((each for each in found if isinstance(each, tuple)), None)
-
-
 def _at_crossing(
-    begin: Beginning, arc: Arc, way: Sequence[Sample], orders: Sequence[int]
+    begin: Beginning, arc: Arc, way: Sequence[Sample], orders: Sequence[int], *, dense: bool
 ) -> Arrival | Continuation:
     """What a jump crossing meets: a cycle at one limit, or a border at another of its points."""
+    # Dense borders are leapt over: they do not change the border along which the crossing leads.
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, cause_of(arc)
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
         return Arrival(PointKind.BC, cycle, "", cause, arc.precision)
+    for away in LEAPS if dense else ():
+        over = crossing_beyond(begin, arc, cause, (away,))
+        if isinstance(over, tuple):
+            return over
     beyond = _with_other_limit(begin, arc)
     if beyond is not None:
         return beyond, cause, True
