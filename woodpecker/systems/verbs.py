@@ -129,7 +129,8 @@ def simulate(
     TypeError
         If it is no system, or the start no mapping.
     ValueError
-        If a symbol is unknown, a value not finite, or the start penetrates or has no M > 0.
+        If a symbol is unknown, a value not finite, a contact penetrated, or M not positive definite
+        at the start.
 
     Examples
     --------
