@@ -10,7 +10,7 @@ Folders import only from folders above them; scripts beside the folders import f
 
 ``common/``
     shared by the studies: command line, clocks, style of pictures, both laws, the paper's motion
-    and places, random toys, checks of diagrams
+    and places, exact maps, random toys, checks of diagrams
 ``peers/``
     other ways to follow the toy, and the scenes with 30-digit references that measure them
 ``failures/``
@@ -36,6 +36,12 @@ Scripts beside the folders:
     what a jump crossing is, in one picture
 ``main_job``
     the branches that are connected with the stable motion
+``two_parameters``, ``regions``
+    special points over two parameters, and which cycles exist where between their curves
+``robustness``
+    how far the stable motion is from its end
+``proofs``
+    what is proved of the toy, how wide the enclosures are, and what they cost
 ``paper_numbers``
     every number the paper prints, beside the model's
 ``sensitivities``

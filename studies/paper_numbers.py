@@ -18,9 +18,9 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
-import sympy
 
-from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, SpecialPoint
+from pwmap import BranchKind, Diagram, PointKind, SpecialPoint
+from studies.common.exact_maps import PAPERS
 from studies.common.laws import LAWS, SEPARATE, SUMMED, TOYS
 from studies.common.motion import SEQUENCE, cycle, frames
 from studies.common.places import POINT_A, POINT_B, POINT_C, SCALES, collision
@@ -235,10 +235,7 @@ def beside_a(law: ExpansionFriction) -> dict[str, int]:
 
 def piecewise() -> Iterator[Row]:
     """Equations 14 and 15 and Figure 12, at a = 5/4 and r = 1."""
-    x, a, r = sympy.symbols("x a r", real=True)
-    formula = sympy.Piecewise((r - 2, x <= 0), (r - a * x, True))
-    general = PiecewiseLinearMap.from_sympy(formula, x, given=[a > 1])
-    map_ = general.at({a: sympy.Rational(5, 4), r: sympy.Integer(1)})
+    map_ = PAPERS.at({"r": 1})
     left, right = (float(point.x) for point in map_.fixed_points())
     yield Row("fixed point -2 + r of P_1^L", "-1", left, EXACT)
     yield Row("fixed point r/(1 + a) of P_1^L", "0.4444", right, EXACT, "4/9")

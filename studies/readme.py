@@ -156,16 +156,16 @@ def curves(results: All) -> str:
 
 
 def regions(results: All) -> str:
-    """How long it takes to cut planes into regions, and how much of them is wrong."""
+    """How many regions planes are cut into, and how much of them is wrong."""
     lines = [
         [
             f"`eps_n1`, `{second}`", str(each["curves"]), str(len(each["regions"])),
-            str(each["checks"]), str(len(each["open"])), seconds(each["seconds"]),
+            str(each["checks"]), str(len(each["open"])),
         ]
         for second, each in results["regions"].items()
         if second != "environment"
     ]  # fmt: skip
-    return rows(["plane", "curves", "regions", "random places", "disagree", "time"], lines)
+    return rows(["plane", "curves", "regions", "random places", "disagree"], lines)
 
 
 def robustness(results: All) -> str:

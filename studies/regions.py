@@ -9,7 +9,6 @@ random places tell how much is still wrong.
 
 from __future__ import annotations
 
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +18,6 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pwmap import SpecialPoint
-from studies.common.clocks import timed
 from studies.common.motion import GUESS
 from studies.common.record import Results, command
 from studies.common.style import WIDTH, grid, keep
@@ -58,8 +56,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     Returns
     -------
     dict
-        For each second parameter seconds, curves, random places and how many disagree, and the
-        regions: share of the rectangle, a place, what lives there, and what orbits come to.
+        For each second parameter curves, random places and which disagree, and the regions: share
+        of the rectangle, a place, what lives there, and what orbits come to.
     """
     toy = Toy()
     names = (FLIP,) if fast else (*POINTS, FLIP)
@@ -68,9 +66,9 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     for second, span in ({"mu_2": (0.297, 0.303)} if fast else SECOND).items():
         spans = ((0.55, 0.75) if fast else SPAN, span)
         survey = Survey(checks=20 if fast else Survey().checks)
-        cut = partial(_regions, toy, [diagram.point(name) for name in names], second, spans, survey)
-        found[second], clock = timed(cut)
-        results[second] = _about(found[second]) | {"seconds": clock.wall}
+        points = [diagram.point(name) for name in names]
+        found[second] = _regions(toy, points, second, spans, survey)
+        results[second] = _about(found[second])
     if out is not None:
         keep(draw(toy, found), out / "regions.png")
     return results

@@ -16,11 +16,9 @@ from pathlib import Path
 from pwmap import PiecewiseLinearMap, bifurcation_diagram, check_certificate, prove
 from pwmap.proofs import Certificate
 from studies.common.clocks import timed
+from studies.common.exact_maps import PAPERS
 from studies.common.record import Results, command
 
-P1L = PiecewiseLinearMap.from_sympy(
-    "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-).at({"a": "5/4"})
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((s*x, x <= 1/2), (s*(1 - x), True))")
 
 
@@ -38,14 +36,14 @@ def of_diagram(
 
 
 KEPT: dict[str, Callable[[], Certificate]] = {
-    **{f"p1l_order_{j}": partial(of_order, P1L.at({"r": 1}), j) for j in (1, 2, 3, 4)},
-    "p1l_diagram": partial(of_diagram, P1L, "r", (-1, 3), 2),
+    **{f"p1l_order_{j}": partial(of_order, PAPERS.at({"r": 1}), j) for j in (1, 2, 3, 4)},
+    "p1l_diagram": partial(of_diagram, PAPERS, "r", (-1, 3), 2),
     "tent_order_3": partial(of_order, TENT.at({"s": 2}), 3),
     "tent_diagram": partial(of_diagram, TENT, "s", (0, 2), 3),
 }
 LARGE: dict[str, Callable[[], Certificate]] = {
     "tent_order_10": partial(of_order, TENT.at({"s": 2}), 10),
-    "p1l_diagram_order_12": partial(of_diagram, P1L, "r", (-1, 4), 12),
+    "p1l_diagram_order_12": partial(of_diagram, PAPERS, "r", (-1, 4), 12),
     "tent_diagram_order_6": partial(of_diagram, TENT, "s", (0, 2), 6),
 }
 

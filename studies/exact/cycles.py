@@ -19,11 +19,10 @@ from matplotlib.figure import Figure
 from pwmap import Budget, PiecewiseLinearMap, cycles, dynamics
 from pwmap.maps import Progress
 from studies.common.clocks import timed
+from studies.common.exact_maps import P1L, TENT
 from studies.common.record import Results, command
 from studies.common.style import JUMP, STABLE, UNSTABLE, VIOLET, canvas, keep, small
 
-TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2 + b*x, x <= 0), (r - a*x, True))")
 ROTATION = PiecewiseLinearMap.from_sympy("Piecewise((s*x + d, x < 0), (s*x + d - 1, True))")
 THREE = PiecewiseLinearMap.from_sympy(
     "Piecewise((-3*x/2 - 2, x < -1), (a*x, x < 1), (-3*x/2 + 2, True))"

@@ -31,13 +31,11 @@ from pwmap import PiecewiseLinearMap, attractor_diagram, dynamics
 from pwmap.algebra.numbers import to_double
 from pwmap.longrun import Density, Dynamics
 from studies.common.clocks import timed
+from studies.common.exact_maps import P1L, SKEW, TENT
 from studies.common.record import Results, command
 from studies.common.style import JUMP, STABLE, UNSTABLE, VIOLET, canvas, keep, small
 
 Floats = npt.NDArray[np.float64]
-TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2 + b*x, x <= 0), (r - a*x, True))")
 COLORS = (STABLE, UNSTABLE, JUMP, VIOLET)
 
 ORDERS = (1, 2, 3, 4, 5, 6)

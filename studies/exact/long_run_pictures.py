@@ -17,11 +17,10 @@ from matplotlib.figure import Figure
 from pwmap import Diagram, PiecewiseLinearMap, attractor_diagram, bifurcation_diagram, dynamics
 from pwmap.longrun import AttractorDiagram
 from pwmap.plot import plot_density, plot_kneading, plot_long_run
+from studies.common.exact_maps import P1L, SKEW
 from studies.common.record import Results, command
 from studies.common.style import WIDTH, canvas, grid, keep, small
 
-P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2 + b*x, x <= 0), (r - a*x, True))")
-SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
 GOLDEN = {"a": "2", "b": "-3/2"}  # the third image of the break is the break
 
 

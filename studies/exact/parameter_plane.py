@@ -11,14 +11,14 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from pwmap import PiecewiseLinearMap, parameter_plane
+from pwmap import parameter_plane
 from pwmap.plane import Colours, ParameterPlane, PlaneRaster, plane_raster, with_crises
 from pwmap.plot import plot_plane
 from studies.common.clocks import timed
+from studies.common.exact_maps import SKEW
 from studies.common.record import Results, command
 from studies.common.style import canvas, keep, small
 
-SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
 SPANS = (("1/10", "11/10"), (-5, "-1/2"))
 ORDERS = (1, 2, 3, 4, 5)
 TITLES = {

@@ -26,11 +26,10 @@ from pwmap import Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram, p
 from pwmap.plot import plot_cobweb, plot_diagram, plot_plane
 from pwmap.plot.drawn import below
 from studies.common.clocks import Seconds, Timing, clocked, ratio, summary
+from studies.common.exact_maps import FLAT, FORMULA, PAPERS, A, R, X
 from studies.common.record import Results, command
 from studies.common.style import STABLE, UNSTABLE, canvas, keep, small
 
-X, A, R = sympy.symbols("x a r")
-P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))
 GIVEN = (A > 1, R > 0, R < 2)
 NUMERIC = {A: Rational(5, 4), R: Rational(1)}
 
@@ -44,7 +43,7 @@ ORDERS = range(2, 7)
 
 def ours(order: int) -> PiecewiseLinearMap:
     """P_1 to P_order from the formula's pieces, with nothing known from before."""
-    start = PiecewiseLinearMap.from_sympy(P1L, X, given=GIVEN)
+    start = PiecewiseLinearMap.from_sympy(FORMULA, X, given=GIVEN)
     compose(start, order)
     return start.iterate(order)
 
@@ -57,9 +56,9 @@ def compose(start: PiecewiseLinearMap, order: int) -> None:
 
 def naive(order: int) -> sympy.Piecewise:
     """P_1 to P_order by substituting and folding."""
-    composed = P1L
+    composed = FORMULA
     for _ in range(order - 1):
-        composed = sympy.piecewise_fold(P1L.subs(X, composed))
+        composed = sympy.piecewise_fold(FORMULA.subs(X, composed))
     return composed
 
 
@@ -103,7 +102,7 @@ def measured(rounds: int) -> dict[str, Timing]:
         sympy.core.cache.clear_cache()
         for name, job in jobs.items():
             taken[name].append(job())
-        symbolic = PiecewiseLinearMap.from_sympy(P1L, X, given=GIVEN)
+        symbolic = PiecewiseLinearMap.from_sympy(FORMULA, X, given=GIVEN)
         numeric = symbolic.at(NUMERIC)
         for name, start, last in ((SYMBOLIC, symbolic, 6), (NUMBERS, numeric, 12)):
             taken[name].append(clocked(partial(compose, start, last))())
@@ -113,8 +112,7 @@ def measured(rounds: int) -> dict[str, Timing]:
 
 def diagram(orders: range = range(1, 6)) -> Diagram:
     """The exact diagram of the paper's example over r."""
-    map_ = PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1]).at({A: Rational(5, 4)})
-    return bifurcation_diagram(map_, R, (-1, 12), orders)
+    return bifurcation_diagram(PAPERS, R, (-1, 12), orders)
 
 
 def agreement() -> int:
@@ -148,13 +146,12 @@ def draw_times(timings: dict[str, Timing]) -> Figure:
 def draw_beyond() -> Figure:
     """P1^L beyond r = 2: an orbit, the diagram of more orders, and the plane of a and r."""
     figure, axes = canvas(3.2, 1, 3)
-    map_ = PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1])
-    beyond = map_.at({A: Rational(5, 4), R: Rational(4)})
+    beyond = PAPERS.at({R: Rational(4)})
     plot_cobweb(beyond, Rational(1, 10), 40, axes[0]).ax.set_title("an orbit, $a = 5/4$, $r = 4$")
     _legend_below(axes[0], 1)
     plot_diagram(diagram(), axes[1], kinds=(PointKind.BC, PointKind.FF))
     axes[1].set_title("orders 1 to 5, $a = 5/4$")
-    plane = parameter_plane(map_, A, R, (1, 4), (-1, 12), range(1, 8))
+    plane = parameter_plane(FLAT, A, R, (1, 4), (-1, 12), range(1, 8))
     drawn = plot_plane(plane, axes[2])
     drawn.ax.set_title("attracting, orders 1 to 7")
     plt.setp(drawn.artists["names"], visible=False)  # twelve curves come close to one another:

@@ -26,16 +26,16 @@ from typing import NamedTuple
 
 import matplotlib.pyplot as plt
 import numpy as np
-import sympy
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from sympy import Rational
 
-from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind
+from pwmap import BranchKind, Diagram, PointKind
 from pwmap import bifurcation_diagram as exact_diagram
 from pwmap.plot import plot_diagram, plot_map
 from pwmap.plot.diagrams import order_samples, place_legend
 from pwmap.plot.palette import of_period
+from studies.common.exact_maps import PAPERS, R
 from studies.common.laws import CONTACT_BY_CONTACT, SUMMED
 from studies.common.places import POINT_A, WINDOW, collision
 from studies.common.record import Results, command
@@ -46,8 +46,6 @@ from woodpecker.maps import Iterate
 from woodpecker.plot.figures import plot_local
 from woodpecker.slices import LocalModel, Start, borders_in, crosses
 
-X, A, R = sympy.symbols("x a r")
-P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))  # [Leine2001, Eq. 14]
 AROUND_A = (0.1099, 0.1141), (-0.91, -0.86)  # eps_N1, phi_S [rad]
 OTHER_A = (-0.8847733440138, 0.0421643309)  # phi_S [rad], eps_N1: the model is made at just these
 REACH = 2e-3  # in eps_N1: how far the picture goes from A
@@ -170,14 +168,9 @@ def place(model: LocalModel, start: Start, q: float) -> float:
 # --- Picture --------------------------------------------------------------------------------------
 
 
-def papers_map() -> PiecewiseLinearMap:
-    """P_1^L with a = 5/4."""
-    return PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1]).at({A: Rational(5, 4)})
-
-
 def papers_diagram() -> Diagram:
     """Orders 1 and 2 over r, a little further than the paper draws them."""
-    return exact_diagram(papers_map(), R, (Rational(-1, 2), Rational(5, 2)))
+    return exact_diagram(PAPERS, R, (Rational(-1, 2), Rational(5, 2)))
 
 
 def draw(paper: Diagram, model: LocalModel, diagram: Diagram, found: list[Agreement]) -> Figure:
@@ -202,7 +195,7 @@ def _called_a(diagram: Diagram, model: LocalModel) -> Diagram:
 
 def draw_paper(paper: Diagram, axes: list[Axes]) -> None:
     """P_1^L, P_2^L and their diagram over r [Leine2001, Fig. 12]."""
-    map_, window = papers_map().at({R: 1}), (-1.5, 1.5)
+    map_, window = PAPERS.at({R: 1}), (-1.5, 1.5)
     for j, ax in zip((1, 2), axes[:2], strict=True):
         plot_map(map_.iterate(j), ax, window=window, legend=j == 2)
         ax.set_title(rf"$P_{j}^L$, $a = 5/4$, $r = 1$")

@@ -30,9 +30,10 @@ from matplotlib.figure import Figure
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq, root
 
-from pwmap import PiecewiseLinearMap, PointKind, cycles
+from pwmap import PointKind, cycles
 from pwmap.diagrams.diagram import BranchKind
 from pwmap.longrun import FoundCycle
+from studies.common.exact_maps import SKEW
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, STABLE, UNSTABLE, canvas, keep
 from woodpecker.base.arrays import Floats
@@ -190,8 +191,7 @@ def sliding_multiplier(w: float, t: float, h: float = 1e-3) -> float:
 def tent_cycles(slopes: tuple[float, float], order: int = ORDER) -> list[FoundCycle]:
     """Cycles of the tent map with two slopes; L: left of its kink."""
     a, b = (sympy.Rational(round(1000 * each), 1000) for each in slopes)
-    tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    return list(cycles(tent, {"a": a, "b": b}, order))
+    return list(cycles(SKEW, {"a": a, "b": b}, order))
 
 
 def own_cycles(w: float, near: Floats, known: Sequence[FoundCycle]) -> list[str]:

@@ -17,6 +17,8 @@ from woodpecker.slices.slices import slices_at
 
 NEUTRAL = 1e-6  # of 1 - |multiplier|: closer, rounding decides on stability; the ends of
 # intervals of fixed points, such as states of rest, have the multiplier one exactly
+LONGER = 16  # times as many points of an orbit that neither repeats nor diverges from others: it
+# may be settling still, and exponents over a hundred points vary by some 0.03
 STEADY = 1e-9  # largest |exponent| of orbits at rest, where all slopes are one
 
 
@@ -92,14 +94,21 @@ def attractors_at(
     An orbit is lost where it leaves the interval ``within``.
     """
     low, high = settings.window
-    parts = (np.arange(survey.starts) + 0.5) / survey.starts
-    found = orbit_diagram(
-        map_, p, low + parts * (high - low), within, transient=survey.transient, keep=survey.keep,
-        settings=settings,
-    )  # fmt: skip
-    kinds = {_attractor(orbit) for orbit in found.orbits}
-    if found.lost:
-        kinds.add(SampledAttractor(Settles.LOST))
+    starts = low + (np.arange(survey.starts) + 0.5) / survey.starts * (high - low)
+    kinds = set[SampledAttractor]()
+    for keep in (survey.keep, LONGER * survey.keep):  # on from where orbits have not settled
+        found = orbit_diagram(
+            map_, p, starts, within, transient=survey.transient, keep=keep, settings=settings
+        )
+        if found.lost:
+            kinds.add(SampledAttractor(Settles.LOST))
+        told = [(_attractor(orbit), orbit.x[-1]) for orbit in found.orbits]
+        kinds |= {kind for kind, _ in told if kind.kind is not Settles.LONG}
+        starts = np.array([x for kind, x in told if kind.kind is Settles.LONG])
+        if not len(starts):
+            break
+    else:
+        kinds.add(SampledAttractor(Settles.LONG))
     return tuple(sorted(kinds, key=lambda each: (list(Settles).index(each.kind), each.period)))
 
 

@@ -6,17 +6,17 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy
-from needs import NIGHTLY_TOY
+from needs import NIGHTLY_TOY, SLOW_TOY
 from shapely import LineString, MultiLineString
 
 import woodpecker.regions
 from pwmap import PiecewiseLinearMap, parameter_plane
-from woodpecker import Settings, Toy, shoot
+from woodpecker import Settings, Toy, ToyPieces, shoot
 from woodpecker.examples import SETTINGS, border_curve, paper_family
 from woodpecker.plane import family_from_sympy
 from woodpecker.plot.regions import described
 from woodpecker.regions import Regions, Survey, parameter_regions
-from woodpecker.regions.census import Count
+from woodpecker.regions.census import Count, attractors_at
 from woodpecker.regions.cutting import SQUARE, faces_of, lines_of, way_between
 from woodpecker.regions.regions import Division
 
@@ -194,6 +194,23 @@ def test_no_place_of_a_region_lies_on_the_middle_of_its_square() -> None:
     found = parameter_regions(family, ("r", "a"), ((-1, 1), (-1, 1)), window=(-4, 4), survey=few)
     assert found.open == ()
     assert [region.census for region in found.regions] == [((1, 1, 0),)]
+
+
+@SLOW_TOY
+@pytest.mark.parametrize(
+    ("second", "place", "attractor"),
+    [  # after 500 returns some orbits are right before their cycle, or diverge slowly
+        ("c_phi", (0.5097304234318676, 0.0053006077264642305), "period 1"),
+        ("l_s", (0.15660256329053943, 0.01999601430041889), "chaos"),
+    ],
+)
+def test_orbits_that_settle_late_are_told_by_what_they_come_to(
+    second: str, place: tuple[float, float], attractor: str
+) -> None:
+    map_ = ToyPieces(Toy(**{second: place[1]}), "eps_n1")
+    settings = Settings(window=(-0.9, -0.45))
+    found = attractors_at(map_, place[0], settings, (-2.5, -0.24), Survey())
+    assert [str(each) for each in found] == [attractor]
 
 
 @NIGHTLY_TOY
