@@ -7,7 +7,6 @@ import re
 import signal
 import subprocess
 import sys
-import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -15,6 +14,7 @@ from threading import Thread
 from typing import Any
 
 import pytest
+from processes import environment
 
 CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
 PICTURES = Path(os.environ.get("EXPLORER_PICTURES", "build/explorer"))
@@ -33,7 +33,7 @@ class Served:
         command = [sys.executable, "-m", *words, "--no-browser"]
         self.process = subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "MPLBACKEND": "Agg"},
+            env=environment(MPLBACKEND="Agg"),
         )  # fmt: skip
         assert self.process.stdout is not None
         self.said = said = list[str]()
@@ -216,11 +216,3 @@ class Seen(Tab):
         self.page.wait_for_timeout(400)
         self.page.screenshot(path=path)
         return path
-
-
-def until(condition: Any, seconds: float = 20.0) -> None:
-    """Wait for something outside of the browser."""
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end
-        time.sleep(0.05)

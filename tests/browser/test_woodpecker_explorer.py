@@ -10,8 +10,8 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from explored import Seen, Served, served, until
-from processes import is_running
+from explored import Seen, Served, served
+from processes import is_running, wait_until
 
 from woodpecker import Toy, continuation, first_return, shoot, simulate
 
@@ -406,7 +406,7 @@ def test_it_ends_with_its_last_page_and_with_ctrl_c(chromium: Any) -> None:
     children = _children(stopped.process.pid)
     assert children
     stopped.end(signal.SIGINT)
-    until(lambda: not any(is_running(child) for child in children), 10)
+    wait_until(lambda: not any(is_running(child) for child in children), 10.0)
     seen.page.close()
 
 

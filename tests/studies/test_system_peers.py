@@ -37,9 +37,11 @@ def test_peers_on_systems(tmp_path: Path) -> None:
     assert "closed-form kernel" in machines({"system_peers": found})
 
 
-def test_without_pydstool_there_is_nothing_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(pydstool_peer, "PYTHON", "/nowhere/python3")
+def test_without_a_program_there_is_nothing_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    for peer in (pydstool_peer, siconos_peer):
+        monkeypatch.setattr(peer, "PYTHON", "/nowhere/python3")
     assert by_pydstool(impact_oscillator()) == {}
+    assert by_siconos(impact_oscillator(), [1e-2]) == {}
 
 
 @pytest.mark.skipif(bool(pydstool_peer.available()), reason=pydstool_peer.available() or "runs")
@@ -48,11 +50,6 @@ def test_pydstool_converges() -> None:
     error = by_pydstool(impact_oscillator())["pydstool"]["error"]
     assert error[0] > 1e-6 > error[2] > error[-1]
     assert error[-1] < 1e-9
-
-
-def test_without_siconos_there_is_nothing_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(siconos_peer, "PYTHON", "/nowhere/python3")
-    assert by_siconos(impact_oscillator(), [1e-2]) == {}
 
 
 @pytest.mark.skipif(bool(siconos_peer.available()), reason=siconos_peer.available() or "runs")

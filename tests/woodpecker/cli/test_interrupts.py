@@ -185,14 +185,19 @@ def test_a_request_ends_what_python_does_not_run(
         assert not folder.exists()
 
 
+def said(*code: str) -> tuple[int, str, str]:
+    """Status, output and complaint of some lines that end by themselves."""
+    with started("-c", *code) as process:
+        text, complaint = process.communicate(timeout=30.0)
+    return process.returncode, text, complaint
+
+
 def test_a_closed_terminal_is_no_request_under_nohup() -> None:
     code = "from pwmap.cli.interrupts import listen\nimport os, signal\nlisten()\n"
     code += "os.kill(os.getpid(), signal.SIGHUP)\nprint('goes on')"
     ignored = "import os, signal, sys\nsignal.signal(signal.SIGHUP, signal.SIG_IGN)\n"
     ignored += "os.execv(sys.executable, [sys.executable, '-c', sys.argv[1]])"
-    with started("-c", ignored, code) as process:
-        assert process.communicate(timeout=30.0) == ("goes on\n", "")
-    assert process.returncode == 0
+    assert said(ignored, code) == (0, "goes on\n", "")
 
 
 LOST = """
@@ -220,12 +225,10 @@ except KeyboardInterrupt:
 
 @pytest.mark.nightly
 def test_a_request_that_is_lost_is_repeated_until_it_is_heard() -> None:
-    with started("-c", LOST) as process:
-        text, complaint = process.communicate(timeout=30.0)
-    assert text.split() == ["dropped", "heard"]
+    status, text, complaint = said(LOST)
+    assert (status, text.split()) == (0, ["dropped", "heard"])
     assert "ValueError: told" in complaint
     assert "KeyboardInterrupt" not in complaint
-    assert process.returncode == 0
 
 
 EARLY = """
@@ -248,12 +251,8 @@ run()
 def test_a_command_ends_while_it_is_loaded(
     package: str, module: str, number: signal.Signals
 ) -> None:
-    """It told in which line of which library it was."""
     code = EARLY.format(module=module.format(package=package), package=package, number=number.name)
-    with started("-c", code) as process:
-        text, complaint = process.communicate(timeout=30.0)
-    assert (text, complaint) == ("", "Interrupted before anything was finished\n")
-    assert process.returncode == 130
+    assert said(code) == (130, "", "Interrupted before anything was finished\n")
 
 
 WHOLE = """
@@ -275,13 +274,20 @@ print("told")
 
 @pytest.mark.slow
 def test_files_are_written_whole_before_a_request_is_taken() -> None:
-    with started("-c", WHOLE) as process:
-        text, complaint = process.communicate(timeout=30.0)
-    assert (text.split(), complaint) == (["written", "taken", "told"], "")
-    assert process.returncode == 0
+    assert said(WHOLE) == (0, "written\ntaken\ntold\n", "")
 
 
 # --- What is kept ---------------------------------------------------------------------------------
+
+
+def stopped(command: str, *arguments: str, out: Path) -> str:
+    """What a command says that is interrupted after one curve; all its tables are there."""
+    near = "--second-span", "0.298", "0.302", "--out", str(out)
+    result = CliRunner().invoke(app, [command, *arguments, *near])
+    assert result.exit_code == 130
+    names = {path.name for path in out.iterdir()}
+    assert names == {*curves_command.TABLES, *curves_command.GRAPHS, f"about_{command}.json"}
+    return result.output
 
 
 @SLOW_TOY
@@ -295,12 +301,8 @@ def test_curves_that_are_finished_are_kept(tmp_path: Path, monkeypatch: pytest.M
         return found[-1]
 
     monkeypatch.setattr(woodpecker, "curve_in_two", interrupted)
-    arguments = ("--from", "A,C", "--second-span", "0.298", "0.302", "--out", str(tmp_path))
-    result = CliRunner().invoke(app, ["curves", *arguments])
-    assert result.exit_code == 130
-    assert "Interrupted: 1 of 2 curves are kept, as tables" in result.output
-    names = {path.name for path in tmp_path.iterdir()}
-    assert names == {*curves_command.TABLES, *curves_command.GRAPHS, "about_curves.json"}
+    output = stopped("curves", "--from", "A,C", out=tmp_path)
+    assert "Interrupted: 1 of 2 curves are kept, as tables" in output
 
 
 @SLOW_TOY
@@ -315,12 +317,9 @@ def test_curves_between_regions_are_kept(tmp_path: Path, monkeypatch: pytest.Mon
         return search(*arguments, progress=show, **options)
 
     monkeypatch.setattr(woodpecker.regions, "parameter_regions", interrupted)
-    near = ("--span", "0.6", "0.7", "--second-span", "0.298", "0.302", "--window", "-0.6", "-0.45")
-    result = CliRunner().invoke(app, ["regions", *near, "--out", str(tmp_path)])
-    assert result.exit_code == 130
-    assert "Interrupted: 1 curve kept, as tables; no regions between them" in result.output
-    names = {path.name for path in tmp_path.iterdir()}
-    assert names == {*curves_command.TABLES, *curves_command.GRAPHS, "about_regions.json"}
+    near = "--span", "0.6", "0.7", "--window", "-0.6", "-0.45"
+    output = stopped("regions", *near, out=tmp_path)
+    assert "Interrupted: 1 curve kept, as tables; no regions between them" in output
 
 
 def test_where_nothing_is_finished_nothing_is_left(

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 import typer
 from commands import invoked, rows
+from processes import environment
 from typer.testing import CliRunner
 
 import pwmap
@@ -28,6 +29,7 @@ from woodpecker.cli.app import app
 P1L = ("Piecewise((r - 2, x <= 0), (r - a*x, True))", "--set", "a=1.25", "--parameter", "r")
 SKEW = ("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))", "--across", "a", "--along", "b",
         "--across-span", "1/4", "3/4", "--along-span", "-2", "-1/2", "--orders", "1")  # fmt: skip
+PWMAP = sys.executable, "-m", "pwmap"
 COMMANDS: dict[str, tuple[typer.Typer, tuple[str, ...], str, str]] = {
     # program and arguments, a table that is written, what stands in the table on the screen
     "simulate": (app, ("simulate", "--phi-s", "-0.6", "--t-end", "0.05"), "events.csv", "event"),
@@ -232,7 +234,7 @@ def test_a_check_that_is_interrupted_says_so(
 def test_a_full_stdout_is_told_on_stderr(
     arguments: tuple[str, ...], status: int, said: str, tmp_path: Path
 ) -> None:
-    """What is finished is kept and named; it was an error of Python, or no name."""
+    """What is finished is kept and named."""
     names = {"analyse": "points.csv", "prove": "certificate.json"}
     name = names.get(arguments[0], "")
     out = ("--out", str(tmp_path / "out")) if name else ()
@@ -242,8 +244,8 @@ def test_a_full_stdout_is_told_on_stderr(
         arguments = ("check", str(certificate))
     with Path("/dev/full").open("w") as full:
         done = subprocess.run(
-            [sys.executable, "-m", "pwmap", *arguments, *out], stdout=full, stderr=subprocess.PIPE,
-            text=True, check=False, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+            [*PWMAP, *arguments, *out], stdout=full, stderr=subprocess.PIPE, text=True,
+            check=False, env=environment(),
         )  # fmt: skip
     assert done.returncode == status
     assert said in done.stderr
@@ -256,18 +258,15 @@ def test_a_full_stdout_is_told_on_stderr(
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="a stderr that is full is a file of Linux")
 def test_a_full_stderr_does_not_change_the_status() -> None:
+    wrong = [*PWMAP, "analyse", "(", "--parameter", "p"]
     with Path("/dev/full").open("w") as full:
-        done = subprocess.run(
-            [sys.executable, "-m", "pwmap", "analyse", "(", "--parameter", "p"], stderr=full,
-            check=False, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
-        )  # fmt: skip
-    assert done.returncode == 2  # it was 1, that of an error of Python
+        assert subprocess.run(wrong, stderr=full, check=False, env=environment()).returncode == 2
 
 
 def test_a_folder_that_cannot_be_written_is_refused_first(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """It was told after the computation, whose results were lost."""
+    """Before anything is computed."""
 
     def refuse(*_: Any, **__: Any) -> None:
         raise PermissionError(errno.EACCES, "Permission denied", "a name of no interest")
@@ -283,7 +282,7 @@ def test_a_folder_that_cannot_be_written_is_refused_first(
 def test_a_folder_that_is_removed_meanwhile_is_made_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What was computed was lost."""
+    """What was computed is written into it."""
     folder, follow = tmp_path / "out", analysis.bifurcation_diagram
 
     def removed(*arguments: Any, **options: Any) -> Any:
@@ -297,13 +296,10 @@ def test_a_folder_that_is_removed_meanwhile_is_made_again(
 
 @pytest.mark.slow
 def test_a_path_is_said_in_any_encoding(tmp_path: Path) -> None:
-    """Windows writes into a pipe in the encoding of the country: there was an error of Python."""
-    file = tmp_path / "\u0416.json"
-    done = subprocess.run(
-        [sys.executable, "-m", "pwmap", "prove", "x/2", "--out", str(file)], capture_output=True,
-        check=False, env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path),
-                          "PYTHONUTF8": "0", "PYTHONIOENCODING": "cp1252"},
-    )  # fmt: skip
+    """Windows writes into a pipe in the encoding of the country."""
+    file, country = tmp_path / "\u0416.json", {"PYTHONUTF8": "0", "PYTHONIOENCODING": "cp1252"}
+    prove = [*PWMAP, "prove", "x/2", "--out", str(file)]
+    done = subprocess.run(prove, capture_output=True, check=False, env=environment(**country))
     assert done.returncode == 0
     assert done.stdout.decode("cp1252").endswith("\\u0416.json" + os.linesep)
     assert file.exists()
@@ -312,7 +308,7 @@ def test_a_path_is_said_in_any_encoding(tmp_path: Path) -> None:
 def test_tables_before_one_that_fails_are_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """On a disk that is full with the graph, both tables were left without a word."""
+    """The graph fills the disk after both tables are there."""
     write = files.write_whole
 
     def filled(path: Path, *rest: Any) -> None:

@@ -28,7 +28,7 @@ from woodpecker.engine.newton import cycles
 from woodpecker.engine.orbits import OnBorder, orbit_of
 from woodpecker.engine.sharp_folds import extended_round_bend
 from woodpecker.examples import two_lines
-from woodpecker.maps import Image
+from woodpecker.maps import Image, PiecewiseMap
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.connected import connected
@@ -77,26 +77,19 @@ class Strips(NamedTuple):
         return Strip(n, self.away).at(x, p)
 
 
+def up_to_zero(map_: PiecewiseMap) -> Diagram:
+    """Followed from x = p = -1/2."""
+    return continuation(map_, shoot(map_, -0.5, p=-0.5), settings=SETTINGS)
+
+
 @pytest.mark.slow
 def test_a_branch_goes_on_beyond_infinitely_many_strips() -> None:
     """x = p on both sides of p = 0."""
-    map_ = Strips(0.0)
-    found = continuation(map_, shoot(map_, -0.5, p=-0.5), settings=SETTINGS)
+    found = up_to_zero(Strips(0.0))
     (branch,) = [each for each in found.branches if each.kind is BranchKind.FIXED_POINT]
     assert (branch.parameter.min(), branch.parameter.max()) == (-1.0, 1.0)
     assert branch.x == pytest.approx(branch.parameter, abs=1e-14)
     assert branch.words
-
-
-@pytest.mark.parametrize("away", [2e-3, -2e-3, 0.02])
-def test_a_branch_that_passes_by_is_another_one(away: float) -> None:
-    """x = p before p = 0, x = p + away beyond: near enough to be met by a look far enough ahead."""
-    map_ = Strips(away)
-    found = continuation(map_, shoot(map_, -0.5, p=-0.5), settings=SETTINGS)
-    assert max(float(each.parameter.max()) for each in found.branches) <= 0.0
-    (end,) = [point for point in found.points if point.parameter > -0.5]
-    assert end.status is PointStatus.OPEN
-    assert end.parameter == pytest.approx(0.0, abs=1e-12)  # the shortest step is 1e-13 of 2
 
 
 @NEEDS_NUMBA
@@ -135,15 +128,20 @@ def test_what_rounding_loses_is_no_fall(falls: bool, reason: str) -> None:
     assert lost_beyond(map_, x, p, 1) == ("the path is lost" if falls else "")
 
 
-@pytest.mark.parametrize("falls", [True, False])
-def test_a_branch_that_begins_again_farther_off_is_another_one(falls: bool) -> None:
-    """x = p again from p = 2**-8 on: where no path is known in between, none connects the two."""
-    map_ = Rounded(falls)
-    found = continuation(map_, shoot(map_, -0.5, p=-0.5), settings=SETTINGS)
-    (branch,) = found.branches
+@pytest.mark.parametrize(
+    "map_", [*map(Strips, (2e-3, -2e-3, 0.02)), *map(Rounded, (True, False))], ids=str
+)
+def test_a_branch_that_begins_beside_or_farther_off_is_another_one(map_: PiecewiseMap) -> None:
+    """x = p before p = 0, and beyond x = p + away, which is near enough to be met by a look ahead.
+
+    Or x = p again from p = 2**-8 on: where no path is known in between, none connects the two.
+    """
+    found = up_to_zero(map_)
     (end,) = [point for point in found.points if point.parameter > -0.5]
-    assert float(branch.parameter.max()) == end.parameter == pytest.approx(0.0, abs=1e-12)
     assert end.status is PointStatus.OPEN
+    assert end.parameter == pytest.approx(0.0, abs=1e-12)  # the shortest step is 1e-13 of 2
+    (branch,) = found.branches
+    assert float(branch.parameter.max()) == end.parameter <= 0.0
 
 
 # --- A test function that changes its sign without being zero: where a step is to end -------------
@@ -194,8 +192,8 @@ X, P = symbols("x p")
 WIDE = CurveSettings(spans=((-4.0, 4.0),), window=((-4.0, 4.0),))
 
 
-def curve_of(map_: ExpressionMap) -> SolutionCurve:
-    return SolutionCurve(map_, cycles((0,), (1.0,), (1.0,)), WIDE)
+def curve_of(map_: ExpressionMap, settings: CurveSettings = WIDE) -> SolutionCurve:
+    return SolutionCurve(map_, cycles((0,), (1.0,), (1.0,)), settings)
 
 
 @pytest.mark.parametrize("bits", range(-3, 4))
@@ -246,9 +244,8 @@ def test_a_halt_of_the_parameter_is_a_fold_if_it_turns_back(
     x, p = start
     end = -0.25 if stop is Stop.LP else 0.0
     settings = replace(WIDE, spans=((end, 4.0) if p > 0.0 else (-4.0, end),))
-    map_ = expression_map((X,), (P,), {"A": (formula,)})
-    curve = SolutionCurve(map_, cycles((0,), (1.0,), (1.0,)), settings)
-    at = curve.start(orbit_of(map_.pieces, np.array([[x]]), np.array([p])))
+    curve = curve_of(expression_map((X,), (P,), {"A": (formula,)}), settings)
+    at = curve.start(orbit_of(curve.map.pieces, np.array([[x]]), np.array([p])))
     arc = follow(curve, at if at.rate * (end - p) > 0.0 else at.turned)
     assert arc.stop is stop
     last = arc.samples[-1].orbit
@@ -281,10 +278,8 @@ SHARP = 1e14
 @pytest.fixture(scope="module")
 def given_up() -> Arc:
     """Fixed points x - p = SHARP (x + p)^2, followed from one half down to the tip at zero."""
-    x, p = symbols("x p")
-    map_ = expression_map((x,), (p,), {"A": (x - (x - p - SHARP * (x + p) ** 2) / 1000,)})
-    settings = CurveSettings(spans=((-1, 1),), window=((-1, 1),), min_step=1e-13)
-    curve = SolutionCurve(map_, cycles((0,), (1.0,), (1.0,)), settings)
+    map_ = expression_map((X,), (P,), {"A": (X - (X - P - SHARP * (X + P) ** 2) / 1000,)})
+    curve = curve_of(map_, CurveSettings(spans=((-1, 1),), window=((-1, 1),), min_step=1e-13))
     along, across = 0.5, (0.5 / SHARP) ** 0.5
     at, value = np.array([[(across + along) / 2]]), np.array([(across - along) / 2])
     return follow(curve, curve.start(orbit_of(map_.pieces, at, value), np.array([-1.0, 1.0])))
@@ -421,10 +416,9 @@ class BlurredMap:
 
 def test_a_crossing_is_followed_along_such_a_border() -> None:
     """It crosses x = p + sin(p)/4 from x = 2 to x = -2, where the cycles of both sides end."""
-    x, p = sympy.symbols("x p")
-    inside = p + sympy.sin(p) / 4 - x
+    inside = P + sympy.sin(P) / 4 - X
     own = expression_map(
-        (x,), (p,), {"L": (x / 2 + 1,), "R": (x / 2 - 1,)},
+        (X,), (P,), {"L": (X / 2 + 1,), "R": (X / 2 - 1,)},
         {"L": {"the border": inside}, "R": {"the border": -inside}},
     )  # fmt: skip
     settings = CurveSettings(spans=((-2.5, 2.5),), window=((-4.0, 4.0),))

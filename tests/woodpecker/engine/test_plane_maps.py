@@ -27,10 +27,13 @@ WINDOW = ((-4.0, 4.0), (-4.0, 4.0))
 TOLERANCE = 1e-12  # Newton's method leaves some 2**-44 times the condition of the equations
 
 
+def over(*spans: tuple[float, float]) -> CurveSettings:
+    return CurveSettings(spans=spans, window=WINDOW)
+
+
 @pytest.fixture(scope="module")
 def henon() -> Connected:
-    settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
-    return connected(HENON, [0.6, 0.2], [0.1, 0.3], settings, orders=(1, 2, 4))
+    return connected(HENON, [0.6, 0.2], [0.1, 0.3], over((-1.0, 1.2)), orders=(1, 2, 4))
 
 
 def places(found: Connected, kind: PointKind, order: int) -> list[float]:
@@ -49,7 +52,7 @@ def test_henon_fold_and_flips(henon: Connected) -> None:
 
 def test_a_start_at_a_flip_finds_what_one_beside_it_does(henon: Connected) -> None:
     """The fixed point c / (2 a) flips at a = 3 c^2 / 4."""
-    c, settings = 0.7, CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
+    c, settings = 0.7, over((-1.0, 1.2))
     a0 = 3.0 * c**2 / 4.0
     at = [c / (2.0 * a0), 0.3 * c / (2.0 * a0)]
     found = connected(HENON, at, [a0, 0.3], settings, orders=(1, 2, 4))
@@ -61,41 +64,42 @@ def test_a_start_at_a_flip_finds_what_one_beside_it_does(henon: Connected) -> No
 
 
 def test_nothing_is_left_where_there_are_as_many_branches_as_allowed() -> None:
-    settings = CurveSettings(spans=((0.2, 0.3),), window=WINDOW)
-    found = connected(HENON, [0.8, 0.2], [0.25, 0.3], settings, orders=(1,), max_branches=1)
+    found = connected(HENON, [0.8, 0.2], [0.25, 0.3], over((0.2, 0.3)), orders=(1,), max_branches=1)
     assert (len(found.diagram.branches), found.left) == (1, "")
 
 
 def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
-    settings, few = CurveSettings(spans=((0.2, 0.3),), window=WINDOW), 30
+    settings, few = over((0.2, 0.3)), 30
     found = connected(HENON, [0.8, 0.2], [0.25, 0.3], settings, orders=(1,), max_evaluations=few)
     assert {point.note for point in found.diagram.points} == {"as many evaluations as allowed"}
 
 
 def test_flips_of_long_cycles_are_no_rounding() -> None:
     """By Newton's method in forty digits: their derivatives are small, their factors are not."""
-    settings = CurveSettings(spans=((0.3, 1.0578),), window=WINDOW)
-    found = connected(HENON, [0.9, 0.3], [0.32, 0.3], settings, orders=(1, 2, 4, 8, 16, 32))
+    orders = 1, 2, 4, 8, 16, 32
+    found = connected(HENON, [0.9, 0.3], [0.32, 0.3], over((0.3, 1.0578)), orders=orders)
     flips = places(found, PointKind.PD, 32)
     assert flips == pytest.approx([1.05773083959402268] * 32, abs=1e-14)
 
 
-def test_neimark_sacker_of_the_delayed_logistic_map() -> None:
+@pytest.fixture(scope="module")
+def delayed() -> Connected:
+    return connected(DELAYED, [0.3, 0.3], [1.5, 0.0], over((0.5, 2.3)), orders=(1,))
+
+
+def test_neimark_sacker_of_the_delayed_logistic_map(delayed: Connected) -> None:
     """Its fixed point 1 - 1/a has multipliers of product a x = a - 1: on the circle at a = 2."""
-    settings = CurveSettings(spans=((0.5, 2.3),), window=WINDOW)
-    found = connected(DELAYED, [0.3, 0.3], [1.5, 0.0], settings, orders=(1,))
-    assert places(found, PointKind.NS, 1) == pytest.approx([2.0], abs=TOLERANCE)
-    assert places(found, PointKind.BP, 1) == pytest.approx([1.0], abs=1e-7)  # transcritical
-    at_one = next(q for q in found.diagram.points if q.kind is PointKind.BP)
+    assert places(delayed, PointKind.NS, 1) == pytest.approx([2.0], abs=TOLERANCE)
+    assert places(delayed, PointKind.BP, 1) == pytest.approx([1.0], abs=1e-7)  # transcritical
+    at_one = next(q for q in delayed.diagram.points if q.kind is PointKind.BP)
     assert len(at_one.branches) == 4
 
 
 def test_a_closed_curve_of_fixed_points_has_two_folds() -> None:
     """A circle: each half comes to the fold from which the other half has started."""
     pieces = {"C": (x + (1 - a**2 - x**2) / 4 + y, y / 2)}
-    settings = CurveSettings(spans=((-2.0, 2.0),), window=WINDOW)
     found = connected(
-        expression_map((x, y), (a,), pieces), [0.8, 0.0], [0.6], settings, orders=(1,)
+        expression_map((x, y), (a,), pieces), [0.8, 0.0], [0.6], over((-2.0, 2.0)), orders=(1,)
     )
     folds, branches = found.diagram.points, found.diagram.branches
     assert {point.kind for point in folds} == {PointKind.LP}
@@ -107,7 +111,7 @@ def test_a_closed_curve_of_fixed_points_has_two_folds() -> None:
 
 def test_a_neutral_saddle_is_no_neimark_sacker_point() -> None:
     """At b = -1 the determinant is 1; where the trace -2 a x is large, multipliers are real."""
-    settings = CurveSettings(spans=((-1.5, -0.5),), window=WINDOW)
+    settings = over((-1.5, -0.5))
     saddle = connected(HENON, [-1.25, 0.88], [2.0, -0.7], settings, orders=(1,), free=1)
     assert not [q for q in saddle.diagram.points if q.kind is PointKind.NS]
     focus = connected(HENON, [0.4, -0.28], [2.0, -0.7], settings, orders=(1,), free=1)
@@ -119,21 +123,17 @@ def test_a_map_that_preserves_areas_has_no_neimark_sacker_points() -> None:
     bent = y - a * x**2
     pieces = {"T": (0.6 * x - 0.8 * bent + a / 10, 0.8 * x + 0.6 * bent)}
     turned = expression_map((x, y), (a,), pieces)
-    settings = CurveSettings(spans=((-1, 1),), window=WINDOW)
-    found = connected(turned, [0.0, 0.0], [0.1], settings, orders=(1,))
+    found = connected(turned, [0.0, 0.0], [0.1], over((-1, 1)), orders=(1,))
     assert {point.kind for point in found.diagram.points} == {PointKind.EP}
 
 
-@pytest.mark.parametrize(
-    ("kind", "exact"),
-    [(PointKind.LP, lambda b: -((1 - b) ** 2) / 4), (PointKind.PD, lambda b: 3 * (1 - b) ** 2 / 4)],
-)
-def test_curves_of_fold_and_flip(henon: Connected, kind: PointKind, exact: object) -> None:
-    settings = CurveSettings(spans=((-1.0, 1.5), (-0.4, 0.4)), window=WINDOW)
-    curve = special_curve(HENON, henon.orbits[f"{kind.value}1"], kind, (0, 1), settings)
+@pytest.mark.parametrize(("kind", "factor"), [(PointKind.LP, -0.25), (PointKind.PD, 0.75)])
+def test_curves_of_fold_and_flip(henon: Connected, kind: PointKind, factor: float) -> None:
+    """They lie at a = -(1 - b)^2 / 4 and at a = 3 (1 - b)^2 / 4."""
+    both, at = over((-1.0, 1.5), (-0.4, 0.4)), henon.orbits[f"{kind.value}1"]
+    curve = special_curve(HENON, at, kind, (0, 1), both)
     assert set(curve.stops) == {Stop.SPAN}
-    assert callable(exact)
-    assert curve.p[:, 0] == pytest.approx(exact(curve.p[:, 1]), abs=TOLERANCE)
+    assert curve.p[:, 0] == pytest.approx(factor * (1 - curve.p[:, 1]) ** 2, abs=TOLERANCE)
     assert sorted(curve.p[[0, -1], 1]) == pytest.approx([-0.4, 0.4], abs=0.0)
 
 
@@ -141,25 +141,21 @@ def test_curves_of_fold_and_flip(henon: Connected, kind: PointKind, exact: objec
 @pytest.mark.parametrize("ends", [(0.0, 1.5), (-1.5, 0.0)])
 def test_a_span_may_end_at_the_special_point(b0: float, ends: tuple[float, float]) -> None:
     """Folds lie at a = -(1 - b)^2 / 4: that is -0.2025 and -0.1225, up to rounding."""
-    settings, a0 = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW), -((1.0 - b0) ** 2) / 4.0
+    settings, a0 = over((-1.0, 1.2)), -((1.0 - b0) ** 2) / 4.0
     fold = connected(HENON, [0.6, 0.6 * b0], [0.1, b0], settings, orders=(1,)).orbits["LP1"]
     for exact in (round(a0, 4), *np.nextafter(fold.p[0], [-1.0, 1.0])):
         spans = ((exact + ends[0], exact + ends[1]), (-0.5, 0.5))
-        curve = special_curve(
-            HENON, fold, PointKind.LP, (0, 1), CurveSettings(spans=spans, window=WINDOW)
-        )
+        curve = special_curve(HENON, fold, PointKind.LP, (0, 1), over(*spans))
         a, b = curve.p.T
         assert exact in a[[0, -1]]
         assert spans[0][0] <= a.min() <= a.max() <= spans[0][1]
         assert a == pytest.approx(-((1.0 - b) ** 2) / 4.0, abs=TOLERANCE)
 
 
-def test_curve_of_neimark_sacker() -> None:
+def test_curve_of_neimark_sacker(delayed: Connected) -> None:
     """With an offset b the fixed point satisfies x = a x (1 - x) + b, and a x = 1 on the circle."""
-    settings = CurveSettings(spans=((0.5, 2.3),), window=WINDOW)
-    found = connected(DELAYED, [0.3, 0.3], [1.5, 0.0], settings, orders=(1,))
-    both = CurveSettings(spans=((1.2, 2.6), (-0.5, 0.5)), window=WINDOW)
-    curve = special_curve(DELAYED, found.orbits["NS1"], PointKind.NS, (0, 1), both)
+    both = over((1.2, 2.6), (-0.5, 0.5))
+    curve = special_curve(DELAYED, delayed.orbits["NS1"], PointKind.NS, (0, 1), both)
     at = 1.0 / curve.p[:, 0]
     assert curve.p[:, 1] == pytest.approx(2.0 * at - 1.0, abs=TOLERANCE)
     assert curve.x[:, 0, 0] == pytest.approx(at, abs=TOLERANCE)
@@ -173,9 +169,10 @@ def test_a_curve_of_neimark_sacker_ends_at_resonances(a0: float) -> None:
     It is 2 at a = -1 and -2 at a = 3. Beyond, multipliers t / 2 +- sqrt(t^2 / 4 - 1) are real.
     """
     x0 = 1.0 / (1.0 + np.sqrt(1.0 + a0))
-    settings = CurveSettings(spans=((-1.01, -0.99),), window=WINDOW)
-    found = connected(HENON, [x0, -x0], [a0, -1.0 + 1e-4], settings, orders=(1,), free=1)
-    both = CurveSettings(spans=((-4.0, 8.0), (-2.0, 2.0)), window=WINDOW)
+    found = connected(
+        HENON, [x0, -x0], [a0, -1.0 + 1e-4], over((-1.01, -0.99)), orders=(1,), free=1
+    )
+    both = over((-4.0, 8.0), (-2.0, 2.0))
     curve = special_curve(HENON, found.orbits["NS1"], PointKind.NS, (0, 1), both)
     ends = dict(zip(curve.causes, curve.p[[0, -1]], strict=True))
     one, two = (ends[f"resonance 1:{k}, two multipliers are {s}1"] for k, s in ((1, ""), (2, "-")))
@@ -191,7 +188,7 @@ def test_no_curve_of_neimark_sacker_begins_at_a_neutral_saddle() -> None:
     x0 = (-1.0 - np.sqrt(3.0)) / 2.0
     piece, p = HENON.at(np.array([x0, -x0]), np.array([2.0, -1.0])).piece, [2.0, -1.0]
     saddle = orbit_of([piece], np.array([[x0, -x0]]), np.array(p))
-    both = CurveSettings(spans=((-4.0, 8.0), (-2.0, 2.0)), window=WINDOW)
+    both = over((-4.0, 8.0), (-2.0, 2.0))
     with pytest.raises(ValueError, match=r"neutral saddle with the multipliers 5\.27451, 0\.18959"):
         special_curve(HENON, saddle, PointKind.NS, (0, 1), both)
 
@@ -201,24 +198,22 @@ def test_no_curve_in_two_parameters_begins_at_the_fold_of_a_jump_crossing() -> N
     second = y + a + b - y**2
     pieces = {"L": (x / 2 + y + 1, second), "R": (-1, second)}
     map_ = expression_map((x, y), (a, b), pieces, {"L": {"x = 0": -x}, "R": {"x = 0": x}})
-    one = CurveSettings(spans=((-1.0, 2.0),), window=WINDOW)
-    found = connected(map_, [-0.4, -1.2], [1.44, 0.0], one, orders=(1,))
+    found = connected(map_, [-0.4, -1.2], [1.44, 0.0], over((-1.0, 2.0)), orders=(1,))
     assert [branch.kind.value for branch in found.diagram.branches][-1] == "jump"
     (fold,) = places(found, PointKind.LP, 1)
     assert fold == pytest.approx(0.0, abs=TOLERANCE)
-    both = CurveSettings(spans=((-1.0, 2.0), (-1.0, 1.0)), window=WINDOW)
+    both = over((-1.0, 2.0), (-1.0, 1.0))
     with pytest.raises(ValueError, match="a special point of cycles, got one of jumps: L / R"):
         special_curve(map_, found.orbits["LP1"], PointKind.LP, (0, 1), both)
 
 
 def test_a_start_that_is_no_cycle_is_refused() -> None:
-    settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
     with pytest.raises(ValueError, match=r"a guess near a cycle of the map at -0\.9, 0\.3, got"):
-        connected(HENON, [0.6, 0.2], [-0.9, 0.3], settings)
+        connected(HENON, [0.6, 0.2], [-0.9, 0.3], over((-1.0, 1.2)))
     with pytest.raises(
         ValueError, match=r"the parameter of the cycle must lie in \[0.5, 1.0\], got \[0.1\]"
     ):
-        connected(HENON, [0.6, 0.2], [0.1, 0.3], CurveSettings(spans=((0.5, 1.0),), window=WINDOW))
+        connected(HENON, [0.6, 0.2], [0.1, 0.3], over((0.5, 1.0)))
     with pytest.raises(ValueError, match="a window of 2 intervals"):
         connected(HENON, [0.6, 0.2], [0.1, 0.3], CurveSettings(spans=((0, 1),), window=((-4, 4),)))
 
@@ -254,9 +249,8 @@ ARGUMENTS: list[tuple[dict[str, Any], str]] = [
 @pytest.mark.parametrize(("wrong", "sentence"), ARGUMENTS, ids=[each for _, each in ARGUMENTS])
 def test_arguments_that_do_not_fit_a_map(wrong: dict[str, Any], sentence: str) -> None:
     good: dict[str, Any] = {"x": [0.6, 0.2], "p": [0.1, 0.3], "orders": (1,)} | wrong
-    settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
     with pytest.raises(ValueError, match=f"^{sentence}"):
-        connected(HENON, good.pop("x"), good.pop("p"), settings, **good)
+        connected(HENON, good.pop("x"), good.pop("p"), over((-1.0, 1.2)), **good)
 
 
 @pytest.mark.parametrize(
@@ -282,12 +276,10 @@ def test_a_map_of_the_plane_is_told_where_it_is_followed() -> None:
 
 
 def test_scales_may_be_arrays(henon: Connected) -> None:
-    settings = CurveSettings(spans=((0.1, 0.2),), window=WINDOW)
-    found = connected(
-        HENON, [0.6, 0.2], [0.1, 0.3], settings, orders=(1,), x_scale=np.ones(2), p_scale=[1, 1]
-    )
+    short, scales = over((0.1, 0.2)), {"x_scale": np.ones(2), "p_scale": [1, 1]}
+    found = connected(HENON, [0.6, 0.2], [0.1, 0.3], short, orders=(1,), **scales)
     assert len(found.diagram.branches) == 1
-    both = CurveSettings(spans=((-1.0, 1.5), (-0.4, 0.4)), window=WINDOW)
+    both = over((-1.0, 1.5), (-0.4, 0.4))
     at = henon.orbits["PD1"]
     curve = special_curve(HENON, at, PointKind.PD, (0, 1), both, x_scale=np.ones(2))
     assert set(curve.stops) == {Stop.SPAN}
@@ -316,9 +308,8 @@ def test_no_branch_is_told_among_cycles_that_fill_a_line(
     image: tuple[sympy.Expr, ...], start: float
 ) -> None:
     map_ = expression_map((x, y), (a, b), {"I": image})
-    settings = CurveSettings(spans=((-1.0, 2.0),), window=WINDOW)
     with pytest.raises(ValueError, match="no single branch leads through it"):
-        connected(map_, [start, 0.2], [1.0, 0.3], settings)
+        connected(map_, [start, 0.2], [1.0, 0.3], over((-1.0, 2.0)))
 
 
 def test_all_samples_together_are_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -366,7 +357,7 @@ def test_a_jump_crossing_does_not_depend_on_units(u: float, v: float, size: floa
 
 
 def test_a_cycle_that_ends_where_a_piece_has_no_value_has_no_multipliers() -> None:
-    """A branch may have its last sample there: that was an error of LAPACK."""
+    """A branch may have its last sample there."""
     map_ = expression_map((x, y), (a,), {"R": (sympy.sqrt(x) + a, y / 2)})
     beyond = orbit_of(map_.pieces, np.array([[-1.0, 0.0]]), np.array([0.0]))
     assert np.isnan(beyond.multipliers()).tolist() == [True, True]
@@ -374,7 +365,7 @@ def test_a_cycle_that_ends_where_a_piece_has_no_value_has_no_multipliers() -> No
 
 # --- Progress and interrupts ----------------------------------------------------------------------
 
-SHORT = CurveSettings(spans=((0.0, 0.6),), window=WINDOW)
+SHORT = over((0.0, 0.6))
 
 
 def followed(progress: Callable[[Stage], None], *, keeps: bool = True) -> Diagram:

@@ -6,6 +6,7 @@ import sympy
 from legends import explained
 from matplotlib.collections import QuadMesh
 
+from pwmap.plot.drawn import Drawn
 from woodpecker.examples import bouncing_ball
 from woodpecker.plot.systems import (
     plot_basins,
@@ -54,13 +55,19 @@ def test_return_map_of_a_ball_halves_the_speed() -> None:
     assert line.get_ydata() == pytest.approx(0.5 * line.get_xdata(), abs=1e-9)  # type: ignore[attr-defined]
 
 
+def basins_of_two_wells(unit: float, x_end: float, u_end: float) -> Drawn:
+    """Wells at (+-1, 0) in such a unit, over four points."""
+    wall = Contact(name="wall", gap=3 * unit - x, eps_n=0.5)
+    system = ContactSystem([x], [[1]], [x - x**3 / unit**2 - 2 * v], [wall], {})
+    map_ = SystemMap(system, Section(when=sympy.sin(t), free=[x, v]), backend="scipy")
+    wells = [shoot(map_, [each * unit, 0.0]) for each in (1.1, -1.1)]
+    plane = {"x": (-x_end * unit, x_end * unit), "u_x": (-u_end * unit, u_end * unit)}
+    return plot_basins(map_, wells, plane, points=2)
+
+
 @pytest.mark.slow
 def test_basins_have_the_colours_of_their_cycles() -> None:
-    wall = Contact(name="wall", gap=3 - x, eps_n=0.5)
-    system = ContactSystem([x], [[1]], [x - x**3 - 2 * v], [wall], {})
-    map_ = SystemMap(system, Section(when=sympy.sin(t), free=[x, v]), backend="scipy")
-    wells = [shoot(map_, [each, 0.0]) for each in (1.1, -1.1)]
-    drawn = plot_basins(map_, wells, {"x": (-1.0, 1.0), "u_x": (-0.1, 0.1)}, points=2)
+    drawn = basins_of_two_wells(1.0, 1.0, 0.1)
     (mesh,) = drawn.artists["basins"]
     assert isinstance(mesh, QuadMesh)
     assert np.asarray(mesh.get_array()).tolist() == [[1, 0], [1, 0]]
@@ -70,12 +77,7 @@ def test_basins_have_the_colours_of_their_cycles() -> None:
 @pytest.mark.parametrize("unit", [1.0, 1e-6])
 def test_numbers_of_small_machines_are_those_of_large_ones(unit: float) -> None:
     """A machine in metres has wells at (+-1, 0), one in micrometres has them at 1e-6 times that."""
-    wall = Contact(name="wall", gap=3 * unit - x, eps_n=0.5)
-    system = ContactSystem([x], [[1]], [x - x**3 / unit**2 - 2 * v], [wall], {})
-    map_ = SystemMap(system, Section(when=sympy.sin(t), free=[x, v]), backend="scipy")
-    wells = [shoot(map_, [each * unit, 0.0]) for each in (1.1, -1.1)]
-    plane = {"x": (-2.0 * unit, 2.0 * unit), "u_x": (-unit, unit)}
-    drawn = plot_basins(map_, wells, plane, points=2)
+    drawn = basins_of_two_wells(unit, 2.0, 1.0)
     numbers = ("1", "-1") if unit == 1.0 else (rf"${k} \times 10^{{-6}}$" for k in (1, -1))
     assert explained(drawn.ax) == [f"({each}, 0)" for each in numbers]
     drawn.figure.draw_without_rendering()  # type: ignore[union-attr]

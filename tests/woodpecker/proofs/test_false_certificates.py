@@ -61,10 +61,7 @@ def branch() -> Content:
 
 
 def flips(value: list[Any]) -> Callable[[Content], None]:
-    def change(c: Content) -> None:
-        c["flips"] = value
-
-    return change
+    return lambda c: c.update(flips=value)
 
 
 def drop_a_piece(c: Content) -> None:
@@ -162,18 +159,19 @@ def test_claims_that_contradict_each_other_are_refused_before_any_motion_is_foll
     assert not followed
 
 
+OTHER = {0: 1, 1: 0, "FF": "BC", "BC": "FF", "fold": "persistence", "persistence": "fold"}
+
+
 def swap(*keys: str) -> Callable[[Content], None]:
+    """The other value of a choice, the other order of two sides."""
+
     def change(c: Content) -> None:
         for key in keys:
             match key:
-                case "own":
-                    c["own"] = 1 - c["own"]
                 case "side":
                     c["side"] = -c["side"]
-                case "code":
-                    c["code"] = {"FF": "BC", "BC": "FF"}[c["code"]]
-                case "note":
-                    c["note"] = {"fold": "persistence", "persistence": "fold"}[c["note"]]
+                case "own" | "code" | "note":
+                    c[key] = OTHER[c[key]]
                 case _:
                     c[key] = c[key][::-1]
 
@@ -306,11 +304,9 @@ def test_deep_and_huge_content_is_refused() -> None:
 @pytest.mark.nightly
 def test_stretches_between_gaps_are_not_said_to_belong_together(branch: Content) -> None:
     content = copy.deepcopy(branch)
+    drop_the_flip(content)
     content["flips"] = []
-    low, high = (end_of(content["pieces"][1], side) for side in (-1, 1))
-    for key in ("pieces", "multiplier", "stable"):
-        del content[key][1]
-    content["gaps"] = [[low, high]]
+    ((low, high),) = content["gaps"]
     length = Fraction(high) - Fraction(low)
     said = check(signed(content))
     assert "2 stretches of tubes that join, and between them 1 interval, of a total length" in said

@@ -44,12 +44,12 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return places
 
 
-def network_of(map_: PiecewiseMap, *starts: SpaceOrbit) -> Network:
-    """The branches through some fixed points."""
+def known_of(map_: PiecewiseMap, *starts: SpaceOrbit) -> Duplicates:
+    """What the branches through some fixed points explain."""
     network = Network(SETTINGS)
     for start in starts:
         network.add(Tasks.of_line(map_, SETTINGS).cycle(start).curve)
-    return network
+    return Duplicates(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
 
 
 def test_a_branch_of_the_same_word_explains_without_more(asked: list[float]) -> None:
@@ -58,8 +58,7 @@ def test_a_branch_of_the_same_word_explains_without_more(asked: list[float]) -> 
         (two_lines(), lambda p: 2.0 * p, lambda p: 2.0 * (p + 1.0) / 3.0),
         (skew_tent(-1.0, 5.0), lambda p: 0.5 * p, lambda p: -0.25 * p),
     ):
-        network = network_of(map_, *(fixed_point(map_, x(-0.5), -0.5) for x in (left, right)))
-        known = Duplicates(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
+        known = known_of(map_, *(fixed_point(map_, x(-0.5), -0.5) for x in (left, right)))
         for p in (-0.8123, -0.3456, -0.1001):
             for x in (left(p), right(p)):
                 orbit = fixed_point(map_, x, p)
@@ -70,24 +69,21 @@ def test_a_branch_of_the_same_word_explains_without_more(asked: list[float]) -> 
 def test_a_branch_of_another_word_does_not(asked: list[float]) -> None:
     """It is asked whether it holds there, once, however many orbits are near it."""
     map_, p = two_lines(), -0.3456
-    network = network_of(map_, fixed_point(map_, -1.0, -0.5))
-    known = Duplicates(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
+    known = known_of(map_, fixed_point(map_, -1.0, -0.5))
     right = map_.at(1.0, p).piece
     for _ in range(3):
         orbit = to_engine(orbit_of([right], np.array([2.0 * p]), p))  # where the left branch is
         assert not known.explains(orbit, PROBLEM, orbit.keys)
     assert asked == [p]
-    other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
-    assert not known.explains(other, PROBLEM, other.keys)
 
 
 def test_a_branch_that_is_added_later_counts() -> None:
     map_, p = two_lines(), -0.3456
-    network = network_of(map_, fixed_point(map_, -1.0, -0.5))
-    known = Duplicates(network, BranchKind.FIXED_POINT, 1, base_of(map_, SETTINGS))
+    known = known_of(map_, fixed_point(map_, -1.0, -0.5))
     other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
     assert not known.explains(other, PROBLEM, other.keys)
-    network.add(Tasks.of_line(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)).curve)
+    added = fixed_point(map_, 1.0 / 3.0, -0.5)
+    known.network.add(Tasks.of_line(map_, SETTINGS).cycle(added).curve)
     assert known.explains(other, PROBLEM, other.keys)
 
 
@@ -147,24 +143,23 @@ def test_what_another_branch_passes_along_is_not_drawn(order: list[int]) -> None
 
 def between(curve: BranchCurve, first: int, last: int) -> BranchCurve:
     """A branch from one sample to another, where borders end it."""
-    ends = [
+    ends = (
         End(kind=PointKind.BC, p=float(curve.parameter[k]), x=curve.points[k])
         for k in (first, last)
-    ]
-    return replace(
-        curve, parameter=curve.parameter[first : last + 1], points=curve.points[first : last + 1],
-        multiplier=curve.multiplier[first : last + 1], ends=(ends[0], ends[1]),
-    )  # fmt: skip
+    )
+    return part(curve, slice(first, last + 1), *ends)
+
+
+def part(curve: BranchCurve, kept: slice, *ends: End) -> BranchCurve:
+    columns = {name: getattr(curve, name)[kept] for name in ("parameter", "points", "multiplier")}
+    return replace(curve, **columns, ends=ends)
 
 
 def given_up(curve: BranchCurve, sample: int) -> BranchCurve:
     """A branch from a sample on, where it was given up, to its end."""
     p, x = float(curve.parameter[sample]), curve.points[sample]
     end = End(kind=PointKind.EP, p=p, x=x, note="given up", status=PointStatus.OPEN)
-    return replace(
-        curve, parameter=curve.parameter[sample:], points=curve.points[sample:],
-        multiplier=curve.multiplier[sample:], ends=(end, curve.ends[1]),
-    )  # fmt: skip
+    return part(curve, slice(sample, None), end, curve.ends[1])
 
 
 def test_jumps_at_both_ends_of_a_thin_piece_are_two_branches() -> None:

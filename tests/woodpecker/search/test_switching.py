@@ -249,11 +249,18 @@ def test_the_flip_of_a_cycle_passed_twice_is_a_branch_point(low: float) -> None:
     assert points[p].x == pytest.approx([2.0 / 3.0, 2.0 / 3.0], abs=LOCATED)
 
 
+SHORT = Settings(span=(2.2, 2.9))  # before the flip
+
+
+def fixed_points(times: int = 1) -> list[BranchCurve]:
+    """Branches of the logistic map's fixed point, passed so many times."""
+    start = orbit_of(logistic().pieces * times, np.array([0.6] * times), 2.5)
+    return chained(Tasks.of_line(logistic(), SHORT), start)
+
+
 def test_a_branch_of_a_cycle_passed_twice_is_not_kept_as_one_of_period_two() -> None:
-    map_, settings, x = logistic(), Settings(span=(2.2, 2.9)), 0.6
-    twice = orbit_of(map_.pieces * 2, np.array([x, x]), 2.5)
-    network = Network(settings)
-    assert all(network.has(curve) for curve in chained(Tasks.of_line(map_, settings), twice))
+    network = Network(SHORT)
+    assert all(network.has(curve) for curve in fixed_points(2))
 
 
 def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
@@ -261,22 +268,19 @@ def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
 
     A branch that doubles a flip may be as short, and its points as close all along: it is kept.
     """
-    map_, settings = logistic(), Settings(span=(2.2, 2.9))
-    twice = orbit_of(map_.pieces * 2, np.array([0.6, 0.6]), 2.5)
-    curve = chained(Tasks.of_line(map_, settings), twice)[0]
-    apart = 20.0 * settings.same * np.array([[1.0], [0.0]])
+    curve = fixed_points(2)[0]
+    apart = 20.0 * SHORT.same * np.array([[1.0], [0.0]])
     torn = replace(curve, points=(*curve.points[:-1], curve.points[-1] + apart))
-    assert Network(settings).has(torn)
+    assert Network(SHORT).has(torn)
     parting = np.linspace(0.0, 1.0, len(curve.points))
     doubled = tuple(curve.points[0] + part * apart for part in parting)
     short = replace(curve, points=doubled, parameter=2.5 + 1e-8 * parting)
-    assert not Network(settings).has(short)
+    assert not Network(SHORT).has(short)
 
 
 def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
     """The other way, with a piece in its middle that the first one has not seen."""
-    map_, settings = logistic(), Settings(span=(2.2, 2.9))
-    curve = chained(Tasks.of_line(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    curve = fixed_points()[0]
     (word,) = curve.words
     middle = len(curve.points) // 2
     thin = replace(word, first=middle - 1, keys=("thin",)), replace(word, first=middle + 1)
@@ -285,7 +289,7 @@ def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
         multiplier=curve.multiplier[::-1], ends=curve.ends[::-1], words=(word, *thin),
     )  # fmt: skip
     other = replace(back, words=(replace(word, keys=("other",)),))
-    network = Network(settings)
+    network = Network(SHORT)
     network.add(curve)
     assert network.has(back)
     assert not network.has(other)
@@ -296,8 +300,7 @@ def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
 ])  # fmt: skip
 def test_branches_with_the_same_ends_are_one(length: float, short_of: float, same: bool) -> None:
     """A part of the span apart at one end: a border may be taken there for the flip beside it."""
-    map_, settings = logistic(), Settings(span=(2.2, 2.9))
-    curve = chained(Tasks.of_line(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    curve = fixed_points()[0]
     part = np.linspace(0.0, 1.0, 12)
 
     def between(first: float, last: float) -> BranchCurve:
@@ -305,8 +308,8 @@ def test_branches_with_the_same_ends_are_one(length: float, short_of: float, sam
         points = tuple(np.array([[1.0 - 1.0 / each]]) for each in p)
         return replace(curve, parameter=p, points=points, multiplier=2.0 - p)
 
-    unit = settings.p_scale
-    network = Network(settings)
+    unit = SHORT.p_scale
+    network = Network(SHORT)
     network.add(between(2.5, 2.5 + length * unit))
     assert network.has(between(2.5, 2.5 + (length - short_of) * unit)) is same
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 import pytest
 from diagrams import LOCATED
-from maps import BORDER, Line, moving_border, two_lines, two_pieces
+from maps import Line, moving_border, two_lines, two_pieces
+from sympy import Piecewise, Rational, sin, sqrt, symbols
 
 from pwmap.diagrams.diagram import BranchKind, PointKind
-from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Smooth, slices_at
+from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Smooth, from_sympy, slices_at
 from woodpecker.base.settings import Settings
-from woodpecker.maps.formulas import Formula
 from woodpecker.search.curves import BranchCurve, End
 from woodpecker.search.tasks import Tasks
 
@@ -62,6 +60,27 @@ def test_the_limit_may_be_curved() -> None:
     assert ends(curve)[0].p == pytest.approx(0.2 ** (1 / 3), abs=1e-15)
 
 
+def pieces_of(map_: FormulaMap) -> tuple[FormulaPiece, FormulaPiece]:
+    """The left and the right one."""
+    right, left = map_.pieces
+    assert isinstance(left, FormulaPiece)
+    assert isinstance(right, FormulaPiece)
+    return left, right
+
+
+def divided_lines(pieces: dict[str, dict[str, Smooth]], beyond: Smooth | None = None) -> FormulaMap:
+    """Two lines, the right one in pieces with more margins, beyond the first with a formula."""
+    left, right = pieces_of(two_lines())
+    formulas = [right.map, *[beyond or right.map] * (len(pieces) - 1)]
+    return FormulaMap(
+        [left]
+        + [
+            FormulaPiece(name, formula, dict(right.margins) | margins)
+            for formula, (name, margins) in zip(formulas, pieces.items(), strict=True)
+        ]
+    )
+
+
 def stripes(width: float, sign: float) -> FormulaMap:
     """-1 for x >= 0; 0.1 - sign p for x < 0, with a name of its own about sign p = 0.1 - x."""
     limit, right = Line(0.0, -sign, 0.1).smooth(), Line(0.0, 0.0, -1.0).smooth()
@@ -105,40 +124,21 @@ def test_a_border_of_a_thin_piece(width: float) -> None:
 
     Where it is too narrow to be seen the limit is that of the piece beyond, but on the border.
     """
-    left, right = (piece for piece in moving_border().pieces[::-1])
-    assert isinstance(left, FormulaPiece)
-    assert isinstance(right, FormulaPiece)
+    left, right = pieces_of(moving_border())
     end, beyond = Line(-1.0, 0.5, width).smooth(), Line(1.0, -0.5, -width).smooth()
-    map_ = FormulaMap(
-        [
-            left,
-            FormulaPiece("R", right.map, dict(right.margins) | {"the end": end}),
-            FormulaPiece("beyond", right.map, {"the end": beyond}),
-        ]
-    )
-    curve = jump_at(map_, 0.15, 0.3)
+    inside = FormulaPiece("R", right.map, dict(right.margins) | {"the end": end})
+    outside = FormulaPiece("beyond", right.map, {"the end": beyond})
+    curve = jump_at(FormulaMap([left, inside, outside]), 0.15, 0.3)
     assert [end.kind for end in ends(curve)] == [BC, BC]
     assert places(curve) == pytest.approx(np.array([[-1.0, -0.5], [1.0, 0.5]]), abs=LOCATED)
     assert x_of(curve) == pytest.approx(0.5 * curve.parameter, abs=LOCATED)
 
 
-def between(at: Formula, at_dp: Formula) -> FormulaMap:
-    """A border on a curve, with limits one above and one below."""
-
-    def line(side: float) -> Smooth:
-        return Smooth(lambda x, p: at(x, p) + side, lambda x, p: 0.0, at_dp)
-
-    below = Smooth(lambda x, p: at(x, p) - x, lambda x, p: -1.0, at_dp)
-    above = Smooth(lambda x, p: x - at(x, p), lambda x, p: 1.0, lambda x, p: -at_dp(x, p))
-    return FormulaMap(
-        [FormulaPiece("L", line(-1.0), {BORDER: below}),
-         FormulaPiece("R", line(1.0), {BORDER: above})]
-    )  # fmt: skip
-
-
 def test_a_curved_border() -> None:
-    map_ = between(lambda x, p: math.sin(3.0 * p), lambda x, p: 3.0 * math.cos(3.0 * p))
-    curve = jump_at(map_, 0.0, 0.0)
+    """At sin(3 p), with limits one above and one below."""
+    x, p = symbols("x p")
+    at = sin(3 * p)
+    curve = jump_at(from_sympy(Piecewise((at - 1, x < at), (at + 1, True)), x, p), 0.0, 0.0)
     assert [(end.kind, end.p) for end in ends(curve)] == [(EP, -2.0), (EP, 3.0)]
     assert x_of(curve) == pytest.approx(np.sin(3.0 * curve.parameter), abs=LOCATED)
 
@@ -152,16 +152,8 @@ def divided(tilt: float, beyond: Smooth | None = None) -> FormulaMap:
     tilt
         If it is zero no step in x leads from R to R1.
     """
-    left, right = two_lines().pieces[::-1]
-    assert isinstance(right, FormulaPiece)
     on, off = Line(tilt, 1.0, 0.6).smooth(), Line(-tilt, -1.0, -0.6).smooth()
-    return FormulaMap(
-        [
-            left,
-            FormulaPiece("R", right.map, dict(right.margins) | {"p reaches -0.6": on}),
-            FormulaPiece("R1", beyond or right.map, dict(right.margins) | {"p reaches -0.6": off}),
-        ]
-    )
+    return divided_lines({"R": {"p reaches -0.6": on}, "R1": {"p reaches -0.6": off}}, beyond)
 
 
 @pytest.mark.parametrize("tilt", [0.5, -0.5, 1e-3, 0.0])
@@ -186,21 +178,11 @@ def test_words_that_change_close_together(apart: float) -> None:
 
     R1 is a wedge, twice as wide in x: pieces are told apart down to 1e-9 of the window of 40.
     """
-    left, right = two_lines().pieces[::-1]
-    assert isinstance(right, FormulaPiece)
     edges = (-0.6, -0.6 - apart)
     on = [Line(0.5, 1.0, -at).smooth() for at in edges]
     off = [Line(-0.5, -1.0, at).smooth() for at in edges]
-    base = dict(right.margins)
-    map_ = FormulaMap(
-        [
-            left,
-            FormulaPiece("R", right.map, base | {"1": on[0]}),
-            FormulaPiece("R1", right.map, base | {"1": off[0], "2": on[1]}),
-            FormulaPiece("R2", right.map, base | {"2": off[1]}),
-        ]
-    )
-    curve = jump_at(map_, 0.0, -0.3)
+    pieces = {"R": {"1": on[0]}, "R1": {"1": off[0], "2": on[1]}, "R2": {"2": off[1]}}
+    curve = jump_at(divided_lines(pieces), 0.0, -0.3)
     assert places(curve) == pytest.approx(np.array([[-1.0, 0.0], [0.0, 0.0]]), abs=LOCATED)
     assert sorted(mark.cause for mark in curve.marks) == ["1", "2"]
     for mark in curve.marks:
@@ -222,11 +204,8 @@ def test_a_jump_goes_round_a_corner() -> None:
 
 
 def test_a_jump_beside_which_the_map_is_lost() -> None:
-    left, right = two_lines().pieces[::-1]
-    assert isinstance(right, FormulaPiece)
     on = Line(0.5, 1.0, 0.6).smooth()
-    kept = FormulaPiece("R", right.map, dict(right.margins) | {"p reaches -0.6": on})
-    curve = jump_at(FormulaMap([left, kept]), 0.0, -0.3)
+    curve = jump_at(divided_lines({"R": {"p reaches -0.6": on}}), 0.0, -0.3)
     low, _ = ends(curve)
     assert (low.kind, low.cause) == (FALL, "a limit of the jump is lost")
     assert low.p == pytest.approx(-0.6, abs=LOCATED)
@@ -239,28 +218,10 @@ def test_a_jump_whose_orbit_hugs_a_square_root(off: float) -> None:
     The root 1/2 + p**2 moves on a curve: a straight guess leaves the piece, however small the step.
     """
 
-    def height(x: float, p: float) -> float:
-        return math.sqrt(x - 0.5 - p * p)
-
-    def value(x: float, p: float) -> float:
-        return 0.1 * p - off + height(x, p)
-
-    def by_x(x: float, p: float) -> float:
-        return 0.5 / height(x, p)
-
-    def by_p(x: float, p: float) -> float:
-        return 0.1 - p / height(x, p)
-
-    past = Smooth(lambda x, p: x - 0.5 - p * p, lambda x, p: 1.0, lambda x, p: -2.0 * p)
-    short = Smooth(lambda x, p: 0.5 + p * p - x, lambda x, p: -1.0, lambda x, p: 2.0 * p)
-    map_ = FormulaMap(
-        [
-            FormulaPiece("S", Smooth(value, by_x, by_p), {"the root": past}),
-            FormulaPiece("L", Line(0.0, 0.0, -1.0).smooth(), {"p/10": Line(-1.0, 0.1).smooth()}),
-            FormulaPiece("R", Line(0.0, 0.0, 2.0).smooth(),
-                         {"p/10": Line(1.0, -0.1).smooth(), "the root": short}),
-        ]
-    )  # fmt: skip
+    x, p = symbols("x p")
+    root, at = Rational(1, 2) + p**2, p / 10
+    formula = Piecewise((at - off + sqrt(x - root), x >= root), (-1, x <= at), (2, True))
+    map_ = from_sympy(formula, x, p)
     settings = Settings(span=(0.0, 1.0), window=(-3.0, 3.0))
     curve = jump_at(map_, 0.51, 0.1, settings, order=2)
     assert [(end.kind, end.p) for end in ends(curve)] == [(EP, 0.0), (EP, 1.0)]

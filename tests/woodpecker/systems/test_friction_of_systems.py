@@ -79,12 +79,6 @@ def body(
     return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [force, -G, 0], feet, values)
 
 
-def block(force: sympy.Expr, mu: Any, values: Values = NONE) -> ContactSystem:
-    """The same without rotation, on the ground."""
-    ground = Contact(name="ground", gap=Y, slip=V, mu=mu)
-    return ContactSystem([X, Y], sympy.eye(2), [force, -G], [ground], values)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("height", "other"),
@@ -256,7 +250,7 @@ WEIGHT = 1.0
 
 
 def two_blocks(force: sympy.Expr, side: float, values: Values) -> ContactSystem:
-    """Two blocks, each as :func:`block` has it; the other one is the first times ``side``."""
+    """Two blocks, each on a floor of its own; the other one is the first times ``side``."""
     x, y, u = (sympy.symbols(f"{name}1 {name}2") for name in ("x", "y", "u_x"))
     floors = [
         Contact(name=f"floor {k + 1}", gap=y[k], slip=u[k], mu=sympy.Symbol("mu")) for k in (0, 1)
@@ -329,16 +323,19 @@ def test_two_masses_leave_the_ground_in_one_instant(backend: str) -> None:
 
 
 def on_feet(
-    places: tuple[float, ...], forces: list[Any], mu: float, values: Values = NONE
-) -> ContactSystem:
-    """A body of weight 10 on feet at these places, with the slip of its centre."""
+    places: tuple[float, ...], forces: list[Any], mu: float, values: Values = NONE,
+    mass: float = 1, length: float = 1,
+) -> ContactSystem:  # fmt: skip
+    """A body of weight 10 on feet at these places, with the slip of its centre, in any units."""
     rubs = {"slip": V, "mu": mu} if mu else {}
     feet = [
-        Contact(name=f"foot {k}", gap=Y + place * TURN, eps_n=0.5, **rubs)
+        Contact(name=f"foot {k}", gap=Y + length * place * TURN, eps_n=0.5, **rubs)
         for k, place in enumerate(places)
     ]
-    along, about = forces
-    return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [along, -10, about], feet, values)
+    (along, about), force = forces, mass * length
+    loads = [along * force, -10 * force, about * force * length]
+    inertia = sympy.diag(mass, mass, 0.3 * mass * length**2)
+    return ContactSystem([X, Y, TURN], inertia, loads, feet, values)
 
 
 FEET = [(-1, 0, 1), (-1, -1, 1), (-1, -0.3, 0.3, 1)]
@@ -362,13 +359,8 @@ def test_more_feet_than_are_needed_slide_as_two(places: tuple[float, ...]) -> No
 def test_a_body_on_three_feet_slides_in_all_units(
     mass: float, length: float, mu: float, rests: bool
 ) -> None:
-    """On a slope of 0.3 it does where mu is less: forces of 1e-8 N counted as none."""
-    feet = [
-        Contact(name=f"foot {k}", gap=Y + length * place * TURN, slip=V, mu=mu)
-        for k, place in enumerate((-1, 0, 1))
-    ]
-    push, inertia = mass * length, sympy.diag(mass, mass, mass * length**2)
-    body = ContactSystem([X, Y, TURN], inertia, [3 * push, -10 * push, 0], feet, {})
+    """On a slope of 0.3 it does where mu is less, also under forces of 1e-17 N."""
+    body = on_feet((-1, 0, 1), [3, 0], mu, mass=mass, length=length)
     motion = simulate(body, {}, 2.0, backend="scipy")
     assert motion.word == ("" if rests else "S1 S2 S3")
     assert motion.z[0] / length == pytest.approx(0.0 if rests else 1.0, abs=1e-12)

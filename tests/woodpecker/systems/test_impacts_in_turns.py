@@ -34,16 +34,12 @@ def beam() -> ContactSystem:
 ENDS = ("the left end", -1), ("the right end", 1)
 
 
-def in_proportion() -> tuple[Floats, Floats]:
+def in_proportion() -> tuple[dict[str, float], float]:
     """A state after an impact of the left end, from which the next impact leaves its mirror image.
 
     It is smaller by a ratio r. After the impact the gaps are 0 and h, their rates 1 and b; at the
     next one, after t, the right end is thrown back by EPS and the left one pushed by kappa of it.
-
-    Returns
-    -------
-    tuple
-        (b, h), and (t, r).
+    Times of impacts are a geometric series: the beam rests after t / (1 - r), which comes, too.
     """
     kappa = (1.0 - 1.0 / INERTIA) / (1.0 + 1.0 / INERTIA)  # of W M^-1 W^T
 
@@ -61,21 +57,18 @@ def in_proportion() -> tuple[Floats, Floats]:
     assert np.abs(away(np.array([b, h, t, r]))).max() < 1e-14
     assert h > 0.0
     assert 0.0 < r < 1.0
-    return np.array([b, h]), np.array([t, r])
+    start = {"y": 0.5 * h, "phi": 0.5 * h, "u_y": 0.5 * (1.0 + b), "u_phi": 0.5 * (b - 1.0)}
+    return {"u_x": DRIFT, **start}, t / (1.0 - r)
 
 
 @EACH_BACKEND
 def test_a_beam_comes_to_rest_on_its_ends(backend: str) -> None:
-    """Times of impacts are a geometric series: all of them take t / (1 - r)."""
-    (b, h), (t, r) = in_proportion()
-    start = {
-        "u_x": DRIFT, "y": 0.5 * h, "phi": 0.5 * h, "u_y": 0.5 * (1.0 + b), "u_phi": 0.5 * (b - 1.0)
-    }  # fmt: skip
+    start, rest = in_proportion()
     motion = simulate(beam(), start, 10.0, backend=backend)
     assert motion.word == "C1+2"
     assert motion.status is MotionStatus.TIME_REACHED  # it drifts
     # rounding at the start, and in each of a dozen impacts until the rest is summed
-    assert motion.events[-1].time == pytest.approx(t / (1.0 - r), abs=1e-13)
+    assert motion.events[-1].time == pytest.approx(rest, abs=1e-13)
     assert motion.z == pytest.approx([10 * DRIFT, 0, 0, DRIFT, 0, 0, 10.0], abs=1e-12)
     y, phi = motion.q[:, 1:].T  # samples do not go on into a contact while the rest is summed
     assert (y - np.abs(phi)).min() > -1e-12
@@ -85,19 +78,16 @@ def test_a_beam_comes_to_rest_on_its_ends(backend: str) -> None:
 @pytest.mark.parametrize("away", [9.0, 1e9])
 def test_a_beam_rests_long_before_it_rests_at_a_wall(away: float, backend: str) -> None:
     """Its way to the wall is a parabola, too, under a constant force, but no short flight."""
-    (b, h), (t, r) = in_proportion()
+    start, rest = in_proportion()
     plain = beam()
     wall = Contact(name="wall", gap=away - plain.q[0], eps_n=EPS)
     system = ContactSystem(
         plain.q, plain.M, [1, *plain.h[1:]], [*plain.contacts, wall], plain.parameters
     )
-    start = {
-        "u_x": DRIFT, "y": 0.5 * h, "phi": 0.5 * h, "u_y": 0.5 * (1.0 + b), "u_phi": 0.5 * (b - 1.0)
-    }  # fmt: skip
     motion = simulate(system, start, 10.0, backend=backend)
     assert motion.word.split()[0] == "C1+2"
     (end,) = [event.time for event in motion.events if event.symbol == "C1+2"]
-    assert end == pytest.approx(t / (1.0 - r), abs=1e-13)
+    assert end == pytest.approx(rest, abs=1e-13)
 
 
 @EACH_BACKEND
@@ -193,11 +183,10 @@ def pushed_block(force: sympy.Expr, **values: float) -> ContactSystem:
     return ContactSystem([X, Y], sympy.diag(1, 1), [force, -1], [table, STOP], values)
 
 
-def pushed_on_two_feet() -> ContactSystem:
+def pushed_on_two_feet(**values: float) -> ContactSystem:
     """The same with a foot at each end."""
     feet = [Contact(name=name, gap=Y + side * PHI, slip=V, mu=MU) for name, side in ENDS]
-    values = {MU: 0.2, E: 0.5, F: 0.5}
-    return ContactSystem([X, Y, PHI], sympy.diag(1, 1, 1), [F, -1, 0], [*feet, STOP], values)
+    return ContactSystem([X, Y, PHI], sympy.eye(3), [F, -1, 0], [*feet, STOP], {"F": 0.5} | values)
 
 
 def pressed(mu: float, e: float) -> float:
@@ -207,32 +196,33 @@ def pressed(mu: float, e: float) -> float:
 
 
 @EACH_BACKEND
-@pytest.mark.parametrize(("mu", "e"), [(0.2, 0.5), (0.2, 1.0), (0.0, 0.5)])
-def test_a_block_is_pressed_against_a_stop(mu: float, e: float, backend: str) -> None:
+@pytest.mark.parametrize(
+    ("mu", "e", "feet", "word"),
+    [(0.2, 0.5, 1, "C2 J1"), (0.2, 1.0, 1, "C2 J1"), (0.0, 0.5, 1, "C2 J1"),
+     (0.2, 0.5, 2, "C3 J1 J2")],
+)  # fmt: skip
+def test_a_block_is_pressed_against_a_stop(
+    mu: float, e: float, feet: int, word: str, backend: str
+) -> None:
     """Friction alone makes impacts accumulate that lose no speed."""
-    motion = simulate(
-        pushed_block(F, mu=mu, e=e), {"x": 1.0, "u_x": -1.0}, 20.0, backend=backend
-    )  # fmt: skip
-    assert (motion.word, motion.status) == ("C2 J1", MotionStatus.AT_REST)
+    block = pushed_block(F, mu=mu, e=e) if feet == 1 else pushed_on_two_feet(mu=mu, e=e)
+    motion = simulate(block, {"x": 1.0, "u_x": -1.0}, 20.0, backend=backend)
+    assert (motion.word, motion.status) == (word, MotionStatus.AT_REST)
     assert motion.events[-1].time == pytest.approx(pressed(mu, e), abs=2e-12)
-    assert motion.z[:-1] == pytest.approx([1.0, 0.0, 0.0, 0.0], abs=1e-14)
+    assert motion.z[:-1] == pytest.approx([1.0, *[0.0] * (2 * block.n - 1)], abs=1e-14)
 
 
-@EACH_BACKEND
-def test_a_block_on_two_feet_is_pressed_as_well(backend: str) -> None:
-    motion = simulate(pushed_on_two_feet(), {"x": 1.0, "u_x": -1.0}, 20.0, backend=backend)
-    assert (motion.word, motion.status) == ("C3 J1 J2", MotionStatus.AT_REST)
-    assert motion.events[-1].time == pytest.approx(pressed(0.2, 0.5), abs=2e-12)
+def between(room: int, eps: float) -> ContactSystem:
+    """A free particle between two walls."""
+    walls = [Contact(name=name, gap=gap, eps_n=eps) for name, gap in (("-", X), ("+", room - X))]
+    return ContactSystem([X], [[1]], [0], walls, {})
 
 
 @EACH_BACKEND
 @pytest.mark.parametrize("ratio", [1.0, 1.0 - 2.0**-20])
 def test_two_walls_without_room_between_them(backend: str, ratio: float) -> None:
     """Every impact turns the velocity round, at once: there is no motion if none is lost."""
-    x = sympy.Symbol("x")
-    walls = [Contact(name=name, gap=gap, eps_n=ratio) for name, gap in (("-", x), ("+", -x))]
-    between = ContactSystem([x], [[1]], [0], walls, {})
-    motion = simulate(between, {"u_x": 1.0}, 5.0, max_events=10, backend=backend)
+    motion = simulate(between(0, ratio), {"u_x": 1.0}, 5.0, max_events=10, backend=backend)
     assert (motion.status is MotionStatus.ENDLESS) == (ratio == 1.0)
     assert motion.z[-1] == 0.0
     speeds = [event.before[0] for event in motion.events if event.symbol in ("I1", "I2")]
@@ -241,9 +231,7 @@ def test_two_walls_without_room_between_them(backend: str, ratio: float) -> None
 
 def test_elastic_walls_far_apart_are_struck_for_ever() -> None:
     """A unit speed over a unit of length: an impact each second, with nothing lost."""
-    x = sympy.Symbol("x")
-    walls = [Contact(name=name, gap=gap, eps_n=1) for name, gap in (("-", x), ("+", 1 - x))]
-    motion = simulate(ContactSystem([x], [[1]], [0], walls, {}), {"u_x": 1.0}, 5.5)
+    motion = simulate(between(1, 1), {"u_x": 1.0}, 5.5)
     assert [event.time for event in motion.events] == pytest.approx([1, 2, 3, 4, 5], abs=1e-12)
     assert motion.status is MotionStatus.TIME_REACHED
 

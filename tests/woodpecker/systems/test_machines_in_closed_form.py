@@ -48,6 +48,7 @@ from woodpecker.systems import (
 # Orbits are conditioned to some 1e3, and so are slopes at slow impacts; multipliers of half motions
 # of a block grow like exp(pi/w), up to 5 here.
 CLOSE = 1e-10
+Pair = tuple[float, float]
 
 
 @pytest.mark.nightly
@@ -78,29 +79,30 @@ def test_the_map_does_not_jump_at_a_grazing(eps: float, w: float) -> None:
 
 
 @SLOW_SYSTEM
-def test_the_curve_of_grazings_over_force_and_frequency() -> None:
-    """There the amplitude of the free oscillation is the gap, 1."""
-    map_ = strobed("F", "w").holding(eps=0.8, sigma=1.0, zeta=0.05)
-    cycle, window = shoot(map_, [-0.1, 0.0], p=[5.5, 2.6]), [(-8.0, 1.0), (-10.0, 10.0)]
-    found = continuation(map_, cycle, (4.5, 7.5), window, orders=(1,))
+@pytest.mark.parametrize(
+    ("second", "guess", "p", "span", "spans"),
+    [
+        ("w", [-0.1, 0.0], [5.5, 2.6], (4.5, 7.5), [(2.0, 10.0), (2.0, 3.2)]),
+        # from a branch that strikes, and ends there in a root
+        ("eps", [-0.8, 2.0], [8.0, 0.8], (6.5, 8.5), [(6.5, 8.5), (0.3, 0.9)]),
+    ],
+)
+def test_a_curve_of_grazings_begins_on_either_side(
+    second: str, guess: list[float], p: list[float], span: Pair, spans: list[Pair]
+) -> None:
+    """Over force and frequency or restitution: where the free oscillation has the amplitude 1."""
+    values = {"w": 2.8, "eps": 0.8, "sigma": 1.0, "zeta": 0.05}
+    del values[second]
+    map_ = strobed("F", second).holding(**values)
+    cycle, window = shoot(map_, guess, p=p), [(-8.0, 1.0), (-10.0, 10.0)]
+    found = continuation(map_, cycle, span, window, orders=(1,))
+    words = [branch.word for branch in found.diagram.branches]
+    assert words == (["I1", ""] if second == "eps" else ["", "I1"])
     (met,) = [point for point in found.diagram.points if point.kind is PointKind.BC]
-    spans = (2.0, 10.0), (2.0, 3.2)
     curve = curve_in_two(map_, found, met.id, spans, window, max_step=0.2)
-    assert sorted(curve.p[[0, -1], 1]) == [2.0, 3.2]
-    exact = np.hypot(1.0 - curve.p[:, 1] ** 2, 0.1 * curve.p[:, 1])
-    assert curve.p[:, 0] == pytest.approx(exact, abs=CLOSE)
-
-
-@SLOW_SYSTEM
-def test_a_curve_of_grazings_begins_on_either_side() -> None:
-    """A branch that strikes ends there in a root; the amplitude is that of the free motion."""
-    map_ = strobed("F", "eps").holding(w=2.8, sigma=1.0, zeta=0.05)
-    cycle, window = shoot(map_, [-0.8, 2.0], p=[8.0, 0.8]), [(-8.0, 1.0), (-10.0, 10.0)]
-    found = continuation(map_, cycle, (6.5, 8.5), window, orders=(1,))
-    assert [branch.word for branch in found.diagram.branches] == ["I1", ""]
-    curve = curve_in_two(map_, found, "BC1", [(6.5, 8.5), (0.3, 0.9)], window)
-    assert sorted(curve.p[[0, -1], 1]) == [0.3, 0.9]
-    assert curve.p[:, 0] == pytest.approx(np.hypot(1.0 - 2.8**2, 0.28), abs=CLOSE)
+    assert sorted(curve.p[[0, -1], 1]) == list(spans[1])
+    w = curve.p[:, 1] if second == "w" else 2.8
+    assert curve.p[:, 0] == pytest.approx(np.hypot(1.0 - w**2, 0.1 * w), abs=CLOSE)
 
 
 @pytest.fixture(scope="module")

@@ -63,13 +63,22 @@ def section(**changes: Any) -> SystemMap:
     )
 
 
-FALLING = ContactSystem([y], [[1]], [-g], [Contact(name="floor", gap=y, eps_n=0.5)], {g: 10.0})
+BOUNCE = Section(when="floor", free=["u_y"])
+
+
+def falling(eps_n: Any, **values: float) -> SystemMap:
+    """From one impact of a ball to the next, over these values or the weight."""
+    floor = Contact(name="floor", gap=y, eps_n=eps_n)
+    ball = ContactSystem([y], [[1]], [-g], [floor], {"g": 10.0, **values})
+    return SystemMap(ball, BOUNCE, [*values] or ["g"], backend="scipy")
+
+
+FALLING = falling(0.5).system
 
 
 @cache
 def bounces() -> SystemMap:
-    """From one impact of a ball to the next, over the weight."""
-    return SystemMap(FALLING, Section(when="floor", free=["u_y"]), ("g",), backend="scipy")
+    return falling(0.5)
 
 
 def on_a_table(**at: sympy.Expr) -> SystemMap:
@@ -301,11 +310,7 @@ def test_a_restitution_over_which_a_map_goes_is_one(
     call: Callable[[SystemMap, SystemCycle], object],
 ) -> None:
     """Also as a parameter it lies in [0, 1]: a ball that leaves faster than it came is no ball."""
-    eps = sympy.Symbol("eps")
-    ball = FALLING.q, FALLING.M, FALLING.h, [Contact(name="floor", gap=y, eps_n=eps)]
-    map_ = SystemMap(
-        ContactSystem(*ball, {g: 10.0, eps: 0.5}), Section(when="floor", free=["u_y"]), ["eps"]
-    )
+    map_ = falling(sympy.Symbol("eps"), eps=0.5)
     with pytest.raises(ValueError, match=r"^eps_n of 'floor' must be in \[0, 1\], got 1\.5"):
         call(map_, shoot(map_, [1.0], p=[1.0]))  # each speed is one of a cycle there
 
@@ -313,10 +318,7 @@ def test_a_restitution_over_which_a_map_goes_is_one(
 def test_a_restitution_that_is_none_within_a_span_ends_the_map() -> None:
     """4 (p - 1/2)^2 - 1/10 is a restitution where p is 0.9, and none where it is 0.5."""
     p = sympy.Symbol("p")
-    eps = 4 * (p - sympy.Rational(1, 2)) ** 2 - sympy.Rational(1, 10)
-    ball = FALLING.q, FALLING.M, FALLING.h, [Contact(name="floor", gap=y, eps_n=eps)]
-    section = Section(when="floor", free=["u_y"])
-    map_ = SystemMap(ContactSystem(*ball, {g: 10.0, p: 0.9}), section, ["p"], backend="scipy")
+    map_ = falling(4 * (p - sympy.Rational(1, 2)) ** 2 - sympy.Rational(1, 10), p=0.9)
     good = map_.at(np.array([1.0]), np.array([0.9]))
     assert good.value == pytest.approx([0.54], abs=1e-12)
     sentence = "eps_n of 'floor' must be in [0, 1], got -0.1"
@@ -376,33 +378,34 @@ def test_a_branch_says_which_law_ends_it() -> None:
     assert end.cause.startswith("eps_n of 'the table' must be in [0, 1], got -")
 
 
-def test_a_section_that_fixes_too_little_is_told() -> None:
-    """From rest at 3^(1/2)/8, x'' + x = sin(3 t) leads there in 2 pi/3, with a speed of -3/4."""
+def driven(when: sympy.Expr, free: list[sympy.Symbol], time: Any = 0) -> SystemMap:
+    """x'' + x = sin(3 t), whose periodic motion is x = -1/8 sin(3 t), far from a wall."""
     wall = Contact(name="wall", gap=5 - x, eps_n=1)
-    driven = ContactSystem([x], [[1]], [sympy.sin(3 * t) - x], [wall], {})
-    once = {"when": sympy.sin(3 * t), "at": {t: 0}}
+    system = ContactSystem([x], [[1]], [sympy.sin(3 * t) - x], [wall], {})
+    return SystemMap(system, Section(when=when, free=free, at={t: time}), backend="scipy")
+
+
+def test_a_section_that_fixes_too_little_is_told() -> None:
+    """From rest at 3^(1/2)/8 the motion leads there in 2 pi/3, with a speed of -3/4."""
+    once = sympy.sin(3 * t)
     with pytest.raises(
         ValueError,
         match=r"^the motion returns with u_x = -0.75, and the section has 0: name u_x in",
     ):
-        shoot(SystemMap(driven, Section(free=[x], **once), backend="scipy"), [0.2])
+        shoot(driven(once, [x]), [0.2])
     with pytest.raises(ValueError, match="name u_x in its free symbols"):
-        shoot(SystemMap(driven, Section(free=[x], **once), backend="scipy"), [0.2], order=2)
-    whole = shoot(SystemMap(driven, Section(free=[x, v], **once), backend="scipy"), [0.1, 0.0])
-    assert whole.x[0] == pytest.approx([0.0, -3 / 8], abs=1e-9)  # x = -1/8 sin(3 t)
+        shoot(driven(once, [x]), [0.2], order=2)
+    whole = shoot(driven(once, [x, v]), [0.1, 0.0])
+    assert whole.x[0] == pytest.approx([0.0, -3 / 8], abs=1e-9)
 
 
 def test_a_section_at_another_time_than_its_event_is_told() -> None:
     """cos(3 t) = 0 at t = pi/6, where sin(3 t) is 1, and not at t = 0."""
-    wall = Contact(name="wall", gap=5 - x, eps_n=1)
-    driven = ContactSystem([x], [[1]], [sympy.sin(3 * t) - x], [wall], {})
-    late = Section(when=sympy.cos(3 * t), free=[x, v], at={t: 0})
     with pytest.raises(ValueError, match="and the section has 0: name t in its free symbols"):
-        shoot(SystemMap(driven, late, backend="scipy"), [0.1, 0.0])
+        shoot(driven(sympy.cos(3 * t), [x, v]), [0.1, 0.0])
     # a section may be given at any of its events, where the cosine rises
     for k in (-1, 3):
-        there = Section(when=sympy.cos(3 * t), free=[x, v], at={t: k * sympy.pi / 6})
-        found = shoot(SystemMap(driven, there, backend="scipy"), [0.1, 0.0])
+        found = shoot(driven(sympy.cos(3 * t), [x, v], k * sympy.pi / 6), [0.1, 0.0])
         assert abs(found.x[0]) == pytest.approx([1 / 8, 0.0], abs=1e-9)  # x = -1/8 sin(3 t)
 
 
@@ -414,19 +417,18 @@ OSCILLATOR = ContactSystem(
 )  # fmt: skip
 PHASE = Section(when=sympy.sin(3 * t), free=[x, v], at={t: 0})
 RISE = Section(when=x - 0.9, free=[v, t], at={x: 0.9}, period=2 * sympy.pi / 3, horizon=50)
-HELD_FLOOR = Section(when="floor", free=["u_y"])
 LONGEST = "the longest time of the section"
 LEADS_NOWHERE = [
     (OSCILLATOR, PHASE, [1.5, 0.0],
      "from x = 1.5 and u_x = 0, the start penetrates 'the stop': its gap is -0.5"),
     (OSCILLATOR, RISE, [0.2, 0.3],
      f"from u_x = 0.2 and t = 0.3, x - 0.9 does not rise through zero within 50 s, {LONGEST}"),
-    (FALLING, HELD_FLOOR, [-1.0],
+    (FALLING, BOUNCE, [-1.0],
      "from u_y = -1, the start moves into 'floor', which it has just left: the rate of its gap "
      "is -1"),
-    (FALLING, HELD_FLOOR, [0.0],
+    (FALLING, BOUNCE, [0.0],
      "from u_y = 0, the system stays at rest: contacts hold all of it"),
-    (FALLING.replace(g=-1.0), HELD_FLOOR, [1.0],
+    (FALLING.replace(g=-1.0), BOUNCE, [1.0],
      f"from u_y = 1, 'floor' is not struck within 10000 s, {LONGEST}"),
 ]  # fmt: skip
 
