@@ -225,6 +225,17 @@ def test_a_block_on_two_feet_is_pressed_as_well(backend: str) -> None:
     assert motion.events[-1].time == pytest.approx(pressed(0.2, 0.5), abs=2e-12)
 
 
+def test_a_fall_that_is_too_fast_for_its_final_time_says_so() -> None:
+    """It lasts 1e-40 s of 30 s, less than the search for events resolves."""
+    y = sympy.Symbol("y")
+    floor = Contact(name="floor", gap=y, eps_n=0.5)
+    ball = ContactSystem([y], [[1]], [-1e80], [floor], {})
+    motion = simulate(ball, {"y": 1.0}, 30.0)
+    assert motion.status is MotionStatus.PASSED
+    assert "times are far shorter than those asked for" in motion.status.value
+    assert simulate(ball, {"y": 1.0}, 1e-38).word == "C1"
+
+
 @EACH_BACKEND
 @pytest.mark.parametrize("ratio", [1.0, 1.0 - 2.0**-20])
 def test_two_walls_without_room_between_them(backend: str, ratio: float) -> None:
