@@ -191,7 +191,8 @@ def _sampled(
     ends = [*(begin for begin, _ in steps[1:]), float(last[-1])][: len(steps)]
     for (begin, step), end in zip(steps, ends, strict=True):
         inside = grid[(grid > begin) & (grid < min(end, begin + step.length))]
-        curve = np.linspace(begin, min(end, begin + step.length), CURVE)
+        count = CURVE if step.guards.size else 2  # without guards: accumulating impacts, too short
+        curve = np.linspace(begin, min(end, begin + step.length), count)
         at = np.concatenate([curve[:1], np.union1d(inside, curve[1:-1]), curve[-1:]])
         times.append(at)
         states.append(step.states(at - begin))
