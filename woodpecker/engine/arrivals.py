@@ -96,7 +96,8 @@ def _other_piece(curve: SolutionCurve, orbit: SpaceOrbit) -> str:
             return f"the map takes another solution of the events {own.piece.word}"
         beyond = own.codes[own.margins <= 0.0].tolist()
         why = own.piece.cause(beyond[0]) if beyond else "though no margin of it vanishes"
-        return f"the map takes {there.piece.word} in place of {own.piece.word}, {why}"
+        taken = "another piece" if there.piece.word == own.piece.word else there.piece.word
+        return f"the map takes {taken} in place of {own.piece.word}, {why}"
     return ""
 
 

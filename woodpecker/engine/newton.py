@@ -279,6 +279,9 @@ def _is_met(problem: Problem, orbit: SpaceOrbit, matrix: Floats, residual: Float
     left, first = np.abs(residual) > _noise(problem, orbit, matrix), 0
     for condition in problem.conditions if left.any() else ():
         count = len(condition.residual(orbit))
+        if isinstance(condition, Closed):  # with a multiplier near 1 its derivatives cancel
+            terms = MAP_ROUNDING * np.abs(np.roll(orbit.x, -1, axis=0)).ravel()
+            left[first : first + count] &= np.abs(residual[first : first + count]) > terms
         if isinstance(condition, OnBorder) and not condition.value:
             left[first] &= not condition.is_met(orbit)
         first += count

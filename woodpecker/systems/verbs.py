@@ -38,6 +38,7 @@ from woodpecker.systems.simulation.motion import (
 from woodpecker.systems.simulation.sections import touching
 
 SAMPLES = 1001  # of a motion, unless the caller says otherwise
+CURVE = 9  # samples of a step, at least, so that short flights are drawn as curves
 EVENTS_MOST, COUNTED_MOST = 20_000, 10**6
 NEWTON_MOST = 50  # iterations of shooting
 HALVINGS_MOST = 12  # of one Newton step
@@ -190,7 +191,9 @@ def _sampled(
     ends = [*(begin for begin, _ in steps[1:]), float(last[-1])][: len(steps)]
     for (begin, step), end in zip(steps, ends, strict=True):
         inside = grid[(grid > begin) & (grid < min(end, begin + step.length))]
-        at = np.concatenate([[begin], inside, [min(end, begin + step.length)]])
+        count = CURVE if step.guards.size else 2  # without guards: accumulating impacts, too short
+        curve = np.linspace(begin, min(end, begin + step.length), count)
+        at = np.concatenate([curve[:1], np.union1d(inside, curve[1:-1]), curve[-1:]])
         times.append(at)
         states.append(step.states(at - begin))
     times.append(np.array([last[-1]]))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable
 from dataclasses import dataclass, replace
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker import PeriodicOrbit, Settings, ToyPieces, continuation, from_sympy, shoot
 from woodpecker.base.arrays import Floats
 from woodpecker.engine import curves
+from woodpecker.engine.arrivals import _other_piece
 from woodpecker.engine.curves import Arc, CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.ends import LeapError, ends_between
 from woodpecker.engine.following import follow
@@ -429,3 +431,20 @@ def test_a_crossing_is_followed_along_such_a_border() -> None:
     assert border == pytest.approx([-2.0, 2.0], abs=10.0 * NOISE)
     border = crossing.parameter + np.sin(crossing.parameter) / 4
     assert crossing.x == pytest.approx(border, abs=10.0 * NOISE)
+
+
+def test_a_piece_with_the_word_of_the_other_is_told_without_it() -> None:
+    """Words of systems leave out what rounding decides, so that two pieces may share one."""
+    own, there = (
+        SimpleNamespace(
+            reason="", codes=np.array([0]), margins=np.array([1.0]),
+            piece=SimpleNamespace(word="J1 S1", key=key),
+        )
+        for key in range(2)
+    )  # fmt: skip
+    orbit = SimpleNamespace(x=[0.5], p=None, images=[own], point_of=None)
+    curve = SimpleNamespace(
+        ignored=(), takes=lambda *_: False, map=SimpleNamespace(at=lambda *_: there)
+    )
+    told = _other_piece(curve, orbit)  # type: ignore[arg-type]
+    assert told == "the map takes another piece in place of J1 S1, though no margin of it vanishes"

@@ -409,6 +409,23 @@ def test_a_body_falls_flat_on_many_feet(places: tuple[float, ...], mu: float) ->
     assert motion.z[1:3] == pytest.approx([0, 0], abs=1e-14)
 
 
+@pytest.mark.parametrize("order", [(0, 1, 2, 3), (2, 0, 3, 1)])
+def test_a_body_that_falls_flat_does_not_turn_though_impulses_are_open(order: list[int]) -> None:
+    """Its outer feet give back 0.6, the inner ones 0.2; how they share the impulse is a polygon.
+
+    At its vertices one foot on either side takes all: in the mean 5/24 for each outer foot.
+    """
+    feet = [
+        Contact(name=f"foot {place}", gap=Y + place * TURN, eps_n=eps)
+        for place, eps in ((-2, 0.6), (-1, 0.2), (1, 0.2), (2, 0.6))
+    ]
+    system = ContactSystem([Y, TURN], sympy.eye(2), [-10, 0], [feet[k] for k in order], {})
+    (event,) = simulate(system, {"y": 1.0}, 0.6, backend="scipy").events
+    assert event.symbol[:2] == "I~"
+    kept = 0.6 * 10 / 24 + 0.2 * 14 / 24
+    assert event.after == pytest.approx([kept * math.sqrt(20), 0.0], abs=1e-14)
+
+
 # --- Contacts that hold each other ----------------------------------------------------------------
 
 

@@ -218,6 +218,17 @@ def between(room: int, eps: float) -> ContactSystem:
     return ContactSystem([X], [[1]], [0], walls, {})
 
 
+def test_a_fall_that_is_too_fast_for_its_final_time_says_so() -> None:
+    """It lasts 1e-40 s of 30 s, less than the search for events resolves."""
+    y = sympy.Symbol("y")
+    floor = Contact(name="floor", gap=y, eps_n=0.5)
+    ball = ContactSystem([y], [[1]], [-1e80], [floor], {})
+    motion = simulate(ball, {"y": 1.0}, 30.0)
+    assert motion.status is MotionStatus.PASSED
+    assert "times are far shorter than those asked for" in motion.status.value
+    assert simulate(ball, {"y": 1.0}, 1e-38).word == "C1"
+
+
 @EACH_BACKEND
 @pytest.mark.parametrize("ratio", [1.0, 1.0 - 2.0**-20])
 def test_two_walls_without_room_between_them(backend: str, ratio: float) -> None:

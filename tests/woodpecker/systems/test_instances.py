@@ -1,5 +1,6 @@
 """Instances against closed forms and against the closed-form kernel of the toy."""
 
+import math
 from collections.abc import Callable
 from dataclasses import asdict
 
@@ -21,6 +22,7 @@ from woodpecker.systems import (
     MotionStatus,
     Section,
     SystemMap,
+    continuation,
     return_map,
     shoot,
     simulate,
@@ -117,6 +119,22 @@ def test_amplitudes_of_den_hartog(
 ) -> None:
     assert (f > den_hartog.stops_from(w)) is (exact is STOPS)
     assert den_hartog.amplitude(w, f, backend=backend) == pytest.approx(exact(w, f), abs=1e-9)
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_a_weakly_stable_cycle_of_den_hartog_is_followed_from_where_it_sticks() -> None:
+    """Its multipliers are 0 and the squared cosine of the duration of a slide."""
+    map_ = den_hartog.map_of("f").holding(w=0.34)
+    cycle = shoot(map_, [1.0, -0.1], p=[0.13], transient=5)
+    start = {"x": cycle.x[0, 0], "t": 0.0}
+    events = simulate(map_.system.replace(f=0.13), start, 2 * math.pi / 0.34).events
+    slip, stick = (next(e.time for e in events if e.symbol == name) for name in ("S1", "J1"))
+    assert cycle.multipliers[0].real == pytest.approx(math.cos(stick - slip) ** 2, abs=1e-9)
+    assert cycle.multipliers[0].real > 0.99
+    found = continuation(map_, cycle, (0.125, 0.135), [(-3, 3), (-3, 3)], orders=(1,))
+    ends = {(q.parameter, q.note) for q in found.diagram.points}
+    assert ends == {(p, "end of the parameter span") for p in (0.125, 0.135)}
 
 
 @NIGHTLY_SYSTEM

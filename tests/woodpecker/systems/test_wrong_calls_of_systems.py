@@ -142,7 +142,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(M=[[1, 2], [2, 1]]), r"M must be positive definite, got \[\[1.0, 2.0\], \["),
     (lambda: system(M=[[g, 0], [0, 1]]).replace(g=0.0), "M must be positive definite, got"),
     (lambda: system(M=[[v, 0], [0, 1]]), "M must not depend on the velocity u_x"),
-    (lambda: system(h=[0]), r"h must have the shape \(2,\), got \(1, 1\)"),
+    (lambda: system(h=[0]), r"h must have the shape \(2,\), got \(1,\)"),
     (lambda: system(h=[0, -sympy.Symbol("G")]),
      "h has the unknown symbol G, of which parameters has no value; it may have q, u, time and"),
     (lambda: system(h=[0, REAL[2]]), f"time and parameters{NAMESAKE.format('t')}"),

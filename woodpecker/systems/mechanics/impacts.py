@@ -47,7 +47,7 @@ from woodpecker.systems.mechanics.index_sets import ContactState
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
-EXPANSION = 2  # number of this phase, after compression (0) and its second end (1)
+EXPANSION = 2**11  # number of this phase: compression has one for each vertex, and fewer
 IMPLIED = 1e-10  # relative: what rounding may leave of a direction, or a rate, that others imply
 ENUMERATED = 6**4  # cases up to which all are tried: those of four contacts with friction
 
@@ -64,7 +64,7 @@ class Impact:
     """The contacts and cases of an impact: with these prescribed it is a smooth map."""
 
     contacts: tuple[int, ...]  # those that take part, ascending
-    # their cases; those of both ends of the segment of solutions, if it is indeterminate
+    # their cases; those of all vertices of the polytope of solutions, if it is indeterminate
     compression: tuple[Cases, ...]
     expansion: Cases = ()  # their cases; empty without an expansion
     # contacts that give back impulse in the expansion, or, without one, whose gap rate Newton's law
@@ -110,8 +110,9 @@ class Impact:
         """Its symbol in a word, see :mod:`woodpecker.simulation.words`."""
         contacts, first, last = self.contacts, self.compression[0], self.last
         if self.is_open:
-            ends = (sum(case % 3 * 3**k for k, case in enumerate(end)) for end in self.compression)
-            letters = [f"e{end}" for end in ends] + [""] * (len(contacts) - 2)
+            ends = [sum(case % 3 * 3**k for k, case in enumerate(end)) for end in self.compression]
+            shown = [f"e{end}" for end in ends]
+            letters = ["".join(shown[k :: len(contacts)]) for k in range(len(contacts))]
         else:
             expands = bool(self.expansion)
             letters = [
@@ -195,8 +196,8 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> tuple[tuple[Cases, ...], Flo
 
     Of several cases with the same velocities the first one counts that is exact up to rounding, or
     else the one with the least violation. If they differ in normal impulses of which a part
-    ``feeds`` an expansion, the phase is indeterminate: the cases are those of both ends of the
-    segment, the impulses its middle.
+    ``feeds`` an expansion, the phase is indeterminate: the cases are those of all vertices of the
+    polytope of solutions, the impulses the mean of these.
     """
     if len(phase.rubs) == 1:
         return _of_one(phase)
@@ -218,19 +219,18 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> tuple[tuple[Cases, ...], Flo
     apart = np.abs(impulses[kept] - impulses[best])[:, :n] * (feeds > 0.0)
     if (apart <= SAME * np.abs(impulses[best]).max()).all():
         return (cases,), impulses[best]
-    low, high = (int(kept[k]) for k in _ends(impulses[kept], SAME * np.abs(impulses[best]).max()))
-    ends = tuple(tried[low].tolist()), tuple(tried[high].tolist())
-    return ends, 0.5 * (impulses[low] + impulses[high])
+    vertices = kept[_distinct(impulses[kept], SAME * np.abs(impulses[best]).max())]
+    return tuple(tuple(tried[k].tolist()) for k in vertices), impulses[vertices].mean(axis=0)
 
 
-def _ends(points: Floats, same: float) -> tuple[int, int]:
-    """The two ends of points (b, 2c) on a segment, by its longest coordinate."""
-    # Of coordinates of equal length, and of equal points, the first one counts.
+def _distinct(points: Floats, same: float) -> Ints:
+    """The first of each of some points (b, 2c), in order of their longest coordinate."""
+    # Of coordinates of equal length the first one counts.
     lengths = np.ptp(points, axis=0)
     longest = points[:, (lengths >= lengths.max() - same).argmax()]
-    return int((longest <= longest.min() + same).argmax()), int(
-        (longest >= longest.max() - same).argmax()
-    )
+    near = (np.abs(points[:, None] - points) <= same).all(axis=-1)
+    first = np.flatnonzero(near.argmax(axis=1) == np.arange(len(points)))
+    return first[longest[first].argsort(kind="stable")]
 
 
 def _of_one(phase: ImpactPhase) -> tuple[tuple[Cases, ...], Floats]:
@@ -327,7 +327,7 @@ NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a co
 Slack = tuple[int, float, Floats]
 """The number of a strict inequality, its value, and its derivatives (columns,).
 
-The number is phase (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which.
+The number is phase (each vertex of compression, EXPANSION) * 4m + 4 * contact + which.
 """
 
 

@@ -386,8 +386,10 @@ def _matrix(name: str, value: Any, shape: tuple[int, int]) -> sympy.ImmutableMat
     except (TypeError, ValueError, sympy.SympifyError):
         raise TypeError(f"{name} must be a matrix of expressions, got {shown(value)}") from None
     if found.shape != shape:
-        wanted = shape if shape[1] > 1 or name == "M" else f"({shape[0]},)"
-        raise ValueError(f"{name} must have the shape {wanted}, got {found.shape}")
+        wanted, given = (
+            each if each[1] > 1 or name == "M" else each[:1] for each in (shape, found.shape)
+        )
+        raise ValueError(f"{name} must have the shape {wanted}, got {given}")
     checked = smooth if name == "M" else expression
     return found.applyfunc(lambda each: checked(f"an entry of {name}", each))
 

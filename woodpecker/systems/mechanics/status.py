@@ -26,7 +26,10 @@ class MotionStatus(Enum):
     NO_SLOPE = "a derivative of a force is infinite, as that of a root at its zero"
     ENDLESS = "impacts follow each other in no time, and lose no speed"
     INSIDE = "the start lies inside a contact, or moves into the one that it has just left"
-    PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"
+    PASSED = (
+        "rounding has carried the system through a contact: impacts accumulate in turns, or times "
+        "are far shorter than those asked for"
+    )
 
     @property
     def success(self) -> bool:

@@ -4,7 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from woodpecker.systems.mechanics.impacts import ALONG, CONE_MINUS, CONE_PLUS, NORMAL_SIDE
+from woodpecker.systems.mechanics.impacts import (
+    ALONG,
+    CONE_MINUS,
+    CONE_PLUS,
+    EXPANSION,
+    NORMAL_SIDE,
+)
 from woodpecker.systems.mechanics.index_sets import CONE_DOWN, CONE_UP, GAP, NORMAL, SECTION, SLIP
 from woodpecker.systems.simulation.motion import PathPhase
 
@@ -15,7 +21,7 @@ SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE, SETTLES = range(9)
 # section; SPEED: -f' |f'| of the guard f that fires; MEETING: another guard then; DIP: the least
 # minimum of a guard in the phase; PHASE: time to the ends of a period; SETTLES: START times the
 # speed of the impact before it, if that was slow
-KINDS, ITEMS = 10, 512  # codes are (KINDS * phase + kind) * ITEMS + item
+KINDS, ITEMS = 10, 2**18  # codes are (KINDS * phase + kind) * ITEMS + item
 
 _GUARDS = {
     GAP: "{} touches", NORMAL: "the normal force of {} vanishes",
@@ -43,7 +49,7 @@ def cause_of(legs: Sequence[PathPhase], code: int, names: Sequence[str]) -> str:
     k, kind = divmod(rest, KINDS)
     if kind == SLACK:
         side, of = divmod(item, 4 * m)
-        phase = "expansion" if side == 2 else "compression"
+        phase = "expansion" if side == EXPANSION else "compression"
         event = f"{names[of // 4]} just {_SLACKS[of % 4]}"
         return f"{event} in the {phase} at the start of phase {k}"
     guard, fired = min(item, SECTION * m), legs[min(k, len(legs) - 1)].guard
