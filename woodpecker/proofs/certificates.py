@@ -11,7 +11,6 @@ from decimal import Context, Decimal, Inexact
 from fractions import Fraction
 from typing import Any
 
-from pwmap.checking.refusing import DIGITS
 from woodpecker.enclosures.balls import fraction
 from woodpecker.enclosures.model import data
 from woodpecker.enclosures.motions import Way
@@ -24,7 +23,7 @@ VERSION = 1
 Content = dict[str, Any]  # a JSON object, without statement and seal
 SLACK = Fraction(1, 10)  # of its width is added to an enclosure on each side, since the checker's
 # arithmetic rounds differently
-EXACT = Context(prec=DIGITS, traps=[Inexact])  # the checker reads numbers of up to 400 characters
+EXACT = Context(prec=400, traps=[Inexact])  # the checker reads numbers of up to 400 characters
 
 
 def text(x: Fraction) -> str:
