@@ -1,7 +1,6 @@
 """Contents of certificates: proofs as JSON that :mod:`woodpecker.checking` verifies on its own.
 
-A certificate holds boxes, the sequence of guards that fire with brackets of the durations, and
-claims. Its numbers are text: exact decimals or quotients.
+They hold boxes, the guards that fire with brackets of the durations, and claims; numbers are text.
 """
 
 from __future__ import annotations
