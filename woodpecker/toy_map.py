@@ -364,7 +364,8 @@ def map_and_names(
         if hasattr(source, "beside"):
             raise TypeError(
                 f"source must be a map of the line, got {type(source).__name__}: "
-                "woodpecker.search.connected.connected follows those of several dimensions"
+                "woodpecker.from_sympy makes those from formulas, and "
+                "woodpecker.search.connected.connected follows maps of several dimensions"
             )
         return source, *axes_of(source, parameter)
     names = [str(symbol) for symbol in source.parameters]

@@ -108,7 +108,7 @@ def own_name(name: object, symbols: Iterable[sympy.Symbol]) -> str:
     """The name of the matching one of some symbols, or the name itself if none matches."""
     plain = plain_name(name)
     found = next((str(s) for s in symbols if plain_name(s) == plain), None)
-    return found or (name if isinstance(name, str) else shown(name))
+    return found or (name if isinstance(name, str) and name.isidentifier() else shown(name))
 
 
 def checked_parameter(name: object, symbols: Sequence[sympy.Symbol]) -> str:

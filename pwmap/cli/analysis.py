@@ -12,6 +12,7 @@ from rich.progress import Progress as Bar
 from rich.table import Table
 
 from pwmap import plot
+from pwmap.algebra.arguments import shortened
 from pwmap.cli.results import Results, Writers, table_in
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_whole
@@ -123,7 +124,7 @@ class Analysis:
         if self._results.stopped:
             return None
         if not dense:
-            what = f"at {self._parameter} = {value} no chaotic attractor has a density"
+            what = f"at {self._parameter} = {shortened(value)} no chaotic attractor has a density"
             self.failed.append("; ".join(filter(None, (what, seen.attractors.left_out))))
             return None
         return seen

@@ -171,7 +171,7 @@ def _bid_farewell(results: Results, missing: list[Path], usual: Callable[[], Non
 
 def _check(folder: Path) -> None:
     """ValueError if ``--out`` is a file, or has the name of one: it is a folder."""
-    if folder.is_file():
+    if folder.exists() and not folder.is_dir():
         raise ValueError(f"{folder}: --out is a folder, and this is a file")
     if folder.suffix.lower() in SUFFIXES and not folder.exists():
         raise ValueError(f"{folder}: --out is a folder, and this is the name of a file")

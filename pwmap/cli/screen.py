@@ -46,6 +46,7 @@ class Format(StrEnum):
 
 
 TABLES = Format.CSV, Format.JSON
+OfTables = StrEnum("OfTables", {"CSV": "csv", "JSON": "json"})
 Formats = Annotated[
     list[Format] | None,
     typer.Option(
@@ -55,10 +56,8 @@ Formats = Annotated[
     ),
 ]
 TableFormat = Annotated[
-    list[Format] | None,
-    typer.Option(
-        "--format", help="For the tables on stdout; sentences go to stderr.", metavar="<csv|json>"
-    ),
+    list[OfTables] | None,
+    typer.Option("--format", help="For the tables on stdout; sentences go to stderr."),
 ]
 _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
 _pictures: ContextVar[tuple[Format, ...]] = ContextVar("_pictures")
@@ -96,9 +95,9 @@ def _whole(least: int, most: float) -> Callable[[object], int]:
     return integer
 
 
-def take_formats(asked: Iterable[Format] | None) -> None:
+def take_formats(asked: Iterable[StrEnum] | None) -> None:
     """Set the formats of pictures and of tables on stdout; ValueError for two formats of tables."""
-    listed = [*dict.fromkeys(asked or ())]
+    listed = [*dict.fromkeys(Format(each.value) for each in asked or ())]
     tables = [each for each in listed if each in TABLES]
     if len(tables) > 1:
         raise ValueError(f"--format takes one of csv and json, got {' and '.join(tables)}")

@@ -22,7 +22,7 @@ from woodpecker.checking.pieces import (
     hull,
     verified,
 )
-from woodpecker.checking.reading import Interval, interval, number
+from woodpecker.checking.reading import Interval, interval, number, whole
 from woodpecker.checking.sentences import statement_of
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
@@ -48,8 +48,9 @@ def check(content: Any) -> str:
 def _checked(content: Any) -> str:
     if not isinstance(content, dict):
         raise Refused("a certificate is an object with named entries")
-    if content.get("format") != FORMAT or content.get("version") != VERSION:
-        raise Refused(f"the format must be {FORMAT!r}, version {VERSION}")
+    if content.get("format") != FORMAT:
+        raise Refused(f"the format must be {FORMAT!r}")
+    whole("version", content.get("version"), 1, VERSION)
     if content.get("seal") != seal_of(content):
         raise Refused("the seal is broken: something was changed after the proof was written")
     kind = content.get("kind")
@@ -58,9 +59,7 @@ def _checked(content: Any) -> str:
     verify, names = KINDS[kind]
     if set(content) != ENTRIES | names:
         raise Refused("the certificate has other entries than its kind needs")
-    digits = content["digits"]
-    if not isinstance(digits, int) or not 20 <= digits <= 200:
-        raise Refused(f"digits must be a whole number from 20 to 200, got {digits!a:.60}")
+    digits = whole("digits", content["digits"], 20, 200)
     with unit(int(digits * 3.33) + 30):
         data, statement = ToyData(content), statement_of(content)
         if statement != content["statement"]:
@@ -94,9 +93,11 @@ def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
 
 def _branch(content: Mapping[str, Any], data: ToyData) -> None:
     # Whether the claims are consistent is checked first, since the proof takes minutes.
-    terms, flips, texts = content["terms"], content["flips"], content["pieces"]
-    if not isinstance(terms, int) or not 1 <= terms <= 30:
-        raise Refused(f"terms must be a whole number from 1 to 30, got {terms!r}")
+    terms, flips, texts = (
+        whole("terms", content["terms"], 1, 30),
+        content["flips"],
+        content["pieces"],
+    )
     if not texts or not len(texts) == len(content["multiplier"]) == len(content["stable"]):
         raise Refused("each piece has a multiplier and a claim on stability")
     places = [k for k in range(len(texts)) if k in flips]
@@ -176,13 +177,8 @@ def _flips_pass(sides: Sequence[int | None], joints: Sequence[bool]) -> None:
 
 
 def _point(content: Mapping[str, Any], data: ToyData) -> None:
-    centre, ways, own = content["centre"], content["ways"], content["own"]
-    if (
-        set(centre) != {"x", "p", "radius"}
-        or len(ways) != 2
-        or own not in (0, 1)
-        or data.order != 1
-    ):
+    centre, ways, own = content["centre"], content["ways"], whole("own", content["own"], 0, 1)
+    if set(centre) != {"x", "p", "radius"} or len(ways) != 2 or data.order != 1:
         raise Refused("a point has a centre, two ways and says which one is its own")
     x, p, radius = number(centre["x"]), number(centre["p"]), number(centre["radius"])
     if radius <= 0:
@@ -210,7 +206,8 @@ def _point(content: Mapping[str, Any], data: ToyData) -> None:
     side = along if own == 0 else -along
     fold = side * stays == -gap
     code, note = ("FF" if fold and steep == 1 else "BC"), ("fold" if fold else "persistence")
-    if (content["side"], content["code"], content["note"]) != (side, code, note):
+    told = whole("side", content["side"], -1, 1), content["code"], content["note"]
+    if told != (side, code, note):
         raise Refused(f"the point is {code}, {note}, on side {side}")
 
 

@@ -16,7 +16,7 @@ from woodpecker.checking.forms import F, constant
 from woodpecker.checking.guards import Guard
 from woodpecker.checking.intervals import Box, I, NotSeparated, T
 from woodpecker.checking.motion import run
-from woodpecker.checking.reading import Interval, interval, number
+from woodpecker.checking.reading import Interval, interval, number, whole
 from woodpecker.checking.toy import NAMES, ExactToy
 from woodpecker.checking.tracker import Choice, Tracker
 
@@ -55,10 +55,8 @@ class ToyData:
             raise Refused("masses, lengths and stiffness must be positive")
         if any(x < 0 for x in values.values()) or values["r_m"] <= values["r_0"]:
             raise Refused("the toy cannot have these numbers")
-        self.values, self.order = values, content["order"]
+        self.values, self.order = values, whole("order", content["order"], 1, 100)
         self.toy = ExactToy(values, law == "summed")
-        if not isinstance(self.order, int) or not 1 <= self.order <= 100:
-            raise Refused(f"order must be a whole number from 1 to 100, got {self.order!r}")
 
     def returned(self, box: Box, line: Any, curve: Any, way: WrittenWay) -> Tracker:
         """The toy's state after a return along one way, verified."""

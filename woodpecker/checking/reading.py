@@ -7,17 +7,26 @@ from fractions import Fraction
 from typing import Any
 
 from pwmap.checking import Refused
+from pwmap.checking.refusing import DIGITS
 
-NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/(?!0+$)[0-9]{1,2000})?")  # no n/0
+NUMBER = re.compile(r"-?[0-9]+(\.[0-9]+)?(/(?!0+$)[0-9]+)?")  # no n/0
 Interval = tuple[Fraction, Fraction]
 
 
 def number(text: Any) -> Fraction:
     """The rational number that a text denotes; Refused if it denotes none."""
-    if not isinstance(text, str) or not NUMBER.fullmatch(text):
-        raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
+    if not isinstance(text, str) or len(text) > DIGITS or not NUMBER.fullmatch(text):
+        most = f"of at most {DIGITS} characters"
+        raise Refused(f"a number must be text {most} such as -0.25 or 1/3, got {text!a:.60}")
     top, _, bottom = text.partition("/")
     return Fraction(top) / Fraction(bottom) if bottom else Fraction(top)
+
+
+def whole(name: str, value: Any, low: int, high: int) -> int:
+    """A whole number, which ``true`` is not; Refused unless it lies between two others."""
+    if type(value) is not int or not low <= value <= high:
+        raise Refused(f"{name} must be a whole number from {low} to {high}, got {value!a:.60}")
+    return value
 
 
 def interval(pair: Any) -> Interval:

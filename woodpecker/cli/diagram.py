@@ -190,10 +190,14 @@ def _written(
 
 
 def _draw(found: pwmap.Diagram, results: Results, words: bool) -> None:
+    from woodpecker.plot.plane import label
+
     orders = sorted({branch.order for branch in found.branches})
     parts = {f"order_{order}": found.of_order(order) for order in orders}
     for name, part in {"diagram": found, **(parts if len(parts) > 1 else {})}.items():
-        results.draw(name, plot.plot_diagram(part, words=words).figure)
+        drawn = plot.plot_diagram(part, words=words)
+        drawn.ax.set_xlabel(label(found.parameter_name))  # of the toy, and so with its unit
+        results.draw(name, drawn.figure)
 
 
 def _draw_models(toy: Toy, found: pwmap.Diagram, results: Results) -> None:

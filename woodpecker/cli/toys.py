@@ -98,9 +98,7 @@ def read_toy(path: Path) -> Toy:
         unknown = sorted({*values} - {*parameters(), LAW})
         if unknown:
             raise ValueError(f"unknown parameter {unknown[0]!r}")
-        law = ExpansionFriction(values.pop(LAW, Toy().expansion_friction))
-        numbers = {name: _number(value) for name, value in values.items()}
-        return Toy(**numbers, expansion_friction=law)
+        return Toy(**{name: _number(value) for name, value in values.items()})
     except (ArithmeticError, RecursionError, TypeError, ValueError) as error:
         raise ValueError(
             f"{path} holds no toy, as --save-toy writes it: {' '.join(str(error).split())}"

@@ -273,7 +273,7 @@ def _heights(curve: MapSamples) -> tuple[float, float]:
     """Limits of the vertical axis, with a margin where the curve is not cut off."""
     values = curve.y[np.isfinite(curve.y)]
     low, high = float(values.min(initial=math.inf)), float(values.max(initial=curve.bottom))
-    margin = 0.3 * MARGIN * (high - curve.bottom) or NARROWEST
+    margin = 0.3 * MARGIN * (high - curve.bottom) or NARROWEST * max(1.0, abs(high))
     if low < curve.bottom - CUT * (high - curve.bottom):
         return curve.bottom, high + margin
     return min(low, curve.bottom) - margin, high + margin

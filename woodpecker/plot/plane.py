@@ -176,7 +176,7 @@ def label(name: str) -> str:
     """The label of a parameter on an axis: symbol and unit."""
     if name not in parameters():
         return name
-    unit = description(name).unit
+    unit = description(name).unit.replace("^2", "$^2$")
     return formula(name) if unit == "-" else f"{formula(name)} [{unit}]"
 
 

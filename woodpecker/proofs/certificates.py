@@ -1,7 +1,6 @@
 """Contents of certificates: proofs as JSON that :mod:`woodpecker.checking` verifies on its own.
 
-A certificate holds boxes, the sequence of guards that fire with brackets of the durations, and
-claims. Its numbers are text: exact decimals or quotients.
+They hold boxes, the guards that fire with brackets of the durations, and claims; numbers are text.
 """
 
 from __future__ import annotations
@@ -23,7 +22,7 @@ VERSION = 1
 Content = dict[str, Any]  # a JSON object, without statement and seal
 SLACK = Fraction(1, 10)  # of its width is added to an enclosure on each side, since the checker's
 # arithmetic rounds differently
-EXACT = Context(prec=2000, traps=[Inexact])  # the checker reads numbers of up to 2000 digits
+EXACT = Context(prec=400, traps=[Inexact])  # the checker reads numbers of up to 400 characters
 
 
 def text(x: Fraction) -> str:

@@ -16,6 +16,7 @@ from typer.testing import CliRunner
 import woodpecker
 from pwmap import read_graph
 from pwmap.cli.app import app as pwmap_app
+from pwmap.cli.results import Results
 from woodpecker.cli.app import app
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, description, parameters
 from woodpecker.plot.curve import BUDGET
@@ -339,6 +340,21 @@ def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path
     assert first["name"] == ""
     assert run("diagram", *arguments, "--names", f"end={first['id']}")[0] == 0
     assert rows(tmp_path / "points.csv")[0]["name"] == "end"
+
+
+@SLOW_TOY
+def test_the_picture_of_a_diagram_names_the_unit_of_its_parameter(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    labels = list[str]()
+
+    def draw(_: Results, __: str, figure: Any) -> None:
+        labels.append(figure.axes[0].get_xlabel())
+
+    monkeypatch.setattr(Results, "draw", draw)
+    span = ("--parameter", "l-s", "--span", "0.02", "0.0202")
+    assert run("diagram", *span, "--out", str(tmp_path))[0] == 0
+    assert labels == ["$l_{S}$ [m]"]
 
 
 @SLOW_TOY

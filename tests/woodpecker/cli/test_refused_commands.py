@@ -17,6 +17,7 @@ SKEW_PLANE = "pwmap plane 'Piecewise((a*x + 1, x <= 0), (b*x + 1, True))' --acro
 SPANS = "--across-span 1/4 3/4 --along-span -5 -1"
 OF_MAPS = {
     f"pwmap analyse '{P1L}' --parameter b": "b is no parameter of this map, it has ['a', 'r']",
+    f"pwmap analyse '{P1L}' --parameter ''": "'' is no parameter of this map, it has ['a', 'r']",
     f"pwmap analyse '{P1L}' --parameter b --set a=2": "b is no parameter of this map, it has ['a',",
     f"{OVER_R} --set 'a=sqrt(2)'":
         "--set a=sqrt(2): expected a rational number, such as 5/4: cannot read 'sqrt(2)'",
@@ -81,6 +82,7 @@ OF_MAPS = {
 OF_THE_TOY = {
     "woodpecker diagram --span=0.5": "takes two values, such as --span -2 2, got '0.5'; see",
     "woodpecker diagram --format jpg": "'--format': 'jpg' is not one of 'png', 'pdf', 'svg'",
+    "woodpecker robustness --format png": "'png' is not one of 'csv', 'json'",
     "woodpecker map --points 1": "'--points': a whole number of at least 2 is expected, got '1'",
     "woodpecker map --g 9 --points 2 --g=9.8": "--g may be given only once",
     f"woodpecker simulate --samples {5000 * '9'}": "at least 2 is expected, got '99999999999999999",

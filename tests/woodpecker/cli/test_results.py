@@ -98,7 +98,8 @@ def test_a_command_says_which_files_of_another_one_it_replaces(tmp_path: Path) -
 @pytest.mark.parametrize("name", COMMANDS)
 def test_out_is_a_folder_and_no_file(name: str, tmp_path: Path) -> None:
     (tmp_path / "there").write_text("mine")
-    for file, what in (("film.gif", "the name of a file"), ("there", "a file")):
+    (tmp_path / "null").symlink_to(os.devnull)
+    for file, what in (("film.gif", "the name of a file"), ("there", "a file"), ("null", "a file")):
         found = run(name, "--out", str(tmp_path / file))
         assert found.exit_code == 2
         assert f"{tmp_path / file}: --out is a folder, and this is {what}" in found.output
@@ -106,7 +107,7 @@ def test_out_is_a_folder_and_no_file(name: str, tmp_path: Path) -> None:
     assert inside.exit_code == 2
     assert inside.output.strip().startswith(f"Error: {tmp_path / 'there' / 'out'}: ")
     assert "Errno" not in inside.output
-    assert [path.name for path in tmp_path.iterdir()] == ["there"]
+    assert {path.name for path in tmp_path.iterdir()} == {"there", "null"}
 
 
 # --- Tables for programs --------------------------------------------------------------------------

@@ -60,7 +60,8 @@ def test_options_change_single_values_of_a_file(tmp_path: Path) -> None:
         ('{"toy": {"eps_n1": null}}', "eps_n1 must be a real number, got None"),
         ('{"toy": {"eps_n1": "0,3"}}', "eps_n1 must be a real number, got '0,3'"),
         ('{"toy": {"eps_n1": [1]}}', "eps_n1 must be a real number, got [1]"),
-        (json.dumps({"toy": {"expansion_friction": "both"}}), "'both' is not a valid"),
+        (json.dumps({"toy": {"expansion_friction": "both"}}), "'summed' or 'separate', got 'both'"),
+        (json.dumps({"toy": {"expansion_friction": [1]}}), "'summed' or 'separate', got [1]"),
     ],
 )
 def test_what_is_no_toy_is_refused_in_a_sentence(content: str, reason: str, tmp_path: Path) -> None:

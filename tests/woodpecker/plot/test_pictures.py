@@ -9,7 +9,8 @@ from matplotlib.ticker import MaxNLocator
 from needs import NEEDS_NUMBA, SLOW_TOY
 
 from woodpecker import Toy, Trajectory, return_map, simulate
-from woodpecker.plot.figures import plot_return_map
+from woodpecker.plot.curve import MapSamples
+from woodpecker.plot.figures import plot_curve, plot_return_map
 from woodpecker.plot.motions import plot_phase_portrait, plot_phase_portraits, plot_time_history
 
 
@@ -123,6 +124,16 @@ def test_where_the_jammed_woodpecker_swings_all_points_are_fixed() -> None:
     assert np.asarray(line.get_ydata()) == pytest.approx(np.asarray(line.get_xdata()))
     (marks,) = drawn.artists["goes on below"]
     assert marks.get_xdata() == pytest.approx([-0.2515, -0.1755], abs=4e-4)
+
+
+def test_a_curve_without_points_far_from_zero_has_a_height() -> None:
+    """A fixed margin was lost in rounding, and matplotlib warned of a height of zero."""
+    starts, none = np.linspace(-1e300, -1e299, 3), np.full(3, np.nan)
+    curve = MapSamples(
+        x=starts, y=none, links=np.zeros(2, int), bottom=float(starts[0]), evaluations=0
+    )
+    low, high = plot_curve(curve).ax.get_ylim()
+    assert low < starts[0] < high
 
 
 @SLOW_TOY

@@ -52,7 +52,8 @@ def test_a_curve_has_the_colour_that_its_points_have_in_exact_planes(curve: Curv
     ("name", "text"),
     [
         ("eps_n1", "$ε_{N1}$"), ("mu_2", "$μ_{2}$"), ("c_phi", "$c_{φ}$ [N m/rad]"),
-        ("j_m", "$J_{M}$ [kg m^2]"), ("r_0", "$r_{0}$ [m]"), ("g", "$g_{}$ [m/s^2]"), ("a", "a"),
+        ("j_m", "$J_{M}$ [kg m$^2$]"), ("r_0", "$r_{0}$ [m]"), ("g", "$g_{}$ [m/s$^2$]"),
+        ("a", "a"),
     ],
 )  # fmt: skip
 def test_axes_have_the_symbols_of_the_paper(name: str, text: str) -> None:

@@ -141,7 +141,13 @@ def test_refusals_say_why(orbit: dict[str, object]) -> None:
         check(resealed({**orbit, "kind": ["orbit"]}))
     with pytest.raises(Refused, match="other entries"):
         check(resealed({name: x for name, x in orbit.items() if name != "digits"}))
-    for text in ("1e5", "nan", "inf", "0x1", "1/0", "1/000", "0/0", "--1", "", 1, None, "\u0663"):
+    for name, value in (("version", True), ("order", True), ("order", 1.0)):
+        with pytest.raises(
+            Refused, match=f"{name} must be a whole number from 1 to .*, got {value}"
+        ):
+            check(resealed({**orbit, name: value}))
+    wrong = ("1e5", "nan", "inf", "0x1", "1/0", "1/000", "0/0", "--1", "", 1, None, "\u0663")
+    for text in (*wrong, "0." + 400 * "1"):  # numbers of 2000 digits took a minute
         toy = {**orbit["toy"], "m_m": text}  # type: ignore[dict-item]
         with pytest.raises(Refused, match="a number"):
             check(resealed({**orbit, "toy": toy}))
