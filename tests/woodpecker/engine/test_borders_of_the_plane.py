@@ -94,6 +94,24 @@ def ends_of_cycles(diagram: Diagram) -> set[str]:
 
 
 @pytest.mark.slow
+def test_cycles_on_both_sides_of_a_border_in_space_are_not_taken_for_one_branch() -> None:
+    """L L R exists for mu < 0 alone and L R R for mu > 0, by linear equations for their points."""
+    xs = sympy.symbols("x y z")
+    slopes = {"L": (-1.424, 0.697, 1.525), "R": (2.318, -1.747, -0.089)}
+    pieces = {k: (a * xs[0] + xs[1] + mu, b * xs[0] + xs[2], c * xs[0])
+              for k, (a, b, c) in slopes.items()}  # fmt: skip
+    map_ = expression_map(xs, (mu,), pieces, SIDES)
+    fixed = np.linalg.solve(
+        np.eye(3) - [[2.318, 1, 0], [-1.747, 0, 1], [-0.089, 0, 0]], [0.01, 0, 0]
+    )
+    settings = CurveSettings(spans=((-0.02, 0.02),), window=((-50.0, 50.0),) * 3)
+    units = {"x_scale": [1.0] * 3, "p_scale": [1.0]}  # the parameter hardly moves along a cycle
+    found = connected(map_, fixed, [0.01], settings, orders=(1, 3), **units).diagram
+    at = {each: sorted(hit.branch.word for hit in found.at(each)) for each in (-0.01, 0.01)}
+    assert at == {-0.01: ["L", *3 * ["L | L | R"]], 0.01: [*3 * ["L | R | R"], "R"]}
+
+
+@pytest.mark.slow
 def test_crossings_of_the_plane_between_two_matrices() -> None:
     """Every sample is a mixture of both limits at a point of the border; its ends are cycles."""
     left = np.array([[0.4, 0.3], [-0.2, 0.5]])
