@@ -308,12 +308,13 @@ class Multiplier:
     def value(self, orbit: SpaceOrbit) -> float:
         """det(M - 1), det(M + 1), or the product of mu_i mu_j - 1 over all pairs i < j."""
         monodromy = orbit.monodromy
-        d = len(monodromy)
+        d, sign = len(monodromy), -1.0 if self.kind == "LP" else 1.0
+        if d == 1 and self.kind != "NS":
+            return float(monodromy[0, 0]) + sign
+        if not np.isfinite(monodromy).all():  # a point moved beyond a root has no slopes
+            return math.nan
         if self.kind == "NS":
             return float(np.linalg.det(_pairs(monodromy) - np.eye(d * (d - 1) // 2)))
-        sign = -1.0 if self.kind == "LP" else 1.0
-        if d == 1:
-            return float(monodromy[0, 0]) + sign
         return float(np.linalg.det(monodromy + sign * np.eye(d)))
 
     def residual(self, orbit: SpaceOrbit) -> Floats:

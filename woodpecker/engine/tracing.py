@@ -391,10 +391,13 @@ def _off_border(
     curve: SolutionCurve, at: SpaceOrbit, i: int, code: int, distance: float
 ) -> Sample | None:
     """The cycle whose margin is that at a scaled distance inside the border, or None."""
-    problem, d = curve.problem, at.x.shape[1]
-    inward = at.images[i].gradients[at.images[i].index_of(code), :d]
-    x = at.x.copy()
-    x[i] += distance * np.sign(inward) * problem.x_scale
+    # Points at other roots begin at this distance, too: right at a root no slope tells the way.
+    problem, d, x = curve.problem, at.x.shape[1], at.x.copy()
+    for k, image in enumerate(at.images):
+        steep = () if image.has_small_slopes else image.codes[image.tied(at.x[k], at.p)][:1]
+        for each in (code,) if k == i else steep:
+            inward = image.gradients[image.index_of(each), :d]
+            x[k] += distance * np.sign(inward) * problem.x_scale
     guess = with_unknowns(at, np.concatenate((x.ravel(), at.p, (0.0,))))
     place = guess.images[i].index_of(code)
     if not guess.is_defined or place < 0:

@@ -49,7 +49,7 @@ class Duplicates:
         others = []
         for place in places:
             if not any(agree(own, keys) for own in place.keys):
-                others.append(place)
+                others += [place] if place.is_between else []  # beyond its end no piece changes
             elif any(
                 leads(problem, x, orbit, self.same)
                 for x in (place.x, *self._curved(place, orbit, problem))
@@ -142,7 +142,8 @@ class Duplicates:
             p0, p1 = curve.parameter[k], curve.parameter[k + 1]
             part = min(1.0, max(0.0, (p - p0) / (p1 - p0))) if p1 != p0 else 0.5
             keys = tuple(from_point(word.keys, shift) for word in words_between(curve, k))
-            found.append(_SamplePlace((number, k, shift), one + part * (other - one), keys))
+            chord, between = (number, k, shift), min(p0, p1) <= p <= max(p0, p1)
+            found.append(_SamplePlace(chord, one + part * (other - one), keys, between))
         return found
 
     def _points(self, curve: BranchCurve, sample: int, shift: int, orbit: SpaceOrbit) -> Floats:
@@ -196,6 +197,7 @@ class _SamplePlace(NamedTuple):
     chord: tuple[int, int, int]  # numbers of the branch, of the first sample, of the first point
     x: Floats
     keys: tuple[Keys, ...]
+    is_between: bool  # whether the parameter lies between both, not only close to one of them
 
 
 def _chords_of(curve: BranchCurve, number: int) -> Floats:

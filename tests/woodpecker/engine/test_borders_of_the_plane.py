@@ -16,7 +16,7 @@ from woodpecker.engine.formulas import ExpressionMap, expression_map
 from woodpecker.engine.germs import beginnings, cycle_at_limit
 from woodpecker.engine.maps import SpaceImage, SpaceMap
 from woodpecker.engine.newton import cycles
-from woodpecker.engine.orbits import orbit_of
+from woodpecker.engine.orbits import Multiplier, orbit_of
 from woodpecker.engine.two_parameters import special_curve
 from woodpecker.search.connected import connected
 
@@ -91,6 +91,48 @@ def test_cycles_of_every_order_start_at_a_border_that_is_passed(
 
 def ends_of_cycles(diagram: Diagram) -> set[str]:
     return {end for b in diagram.branches if b.kind is BranchKind.FIXED_POINT for end in b.ends}
+
+
+@pytest.mark.slow
+def test_cycles_on_both_sides_of_a_border_in_space_are_not_taken_for_one_branch() -> None:
+    """L L R exists for mu < 0 alone and L R R for mu > 0, by linear equations for their points."""
+    xs = sympy.symbols("x y z")
+    slopes = {"L": (-1.424, 0.697, 1.525), "R": (2.318, -1.747, -0.089)}
+    pieces = {k: (a * xs[0] + xs[1] + mu, b * xs[0] + xs[2], c * xs[0])
+              for k, (a, b, c) in slopes.items()}  # fmt: skip
+    map_ = expression_map(xs, (mu,), pieces, SIDES)
+    fixed = np.linalg.solve(
+        np.eye(3) - [[2.318, 1, 0], [-1.747, 0, 1], [-0.089, 0, 0]], [0.01, 0, 0]
+    )
+    settings = CurveSettings(spans=((-0.02, 0.02),), window=((-50.0, 50.0),) * 3)
+    units = {"x_scale": [1.0] * 3, "p_scale": [1.0]}  # the parameter hardly moves along a cycle
+    found = connected(map_, fixed, [0.01], settings, orders=(1, 3), **units).diagram
+    at = {each: sorted(hit.branch.word for hit in found.at(each)) for each in (-0.01, 0.01)}
+    assert at == {-0.01: ["L", *3 * ["L | L | R"]], 0.01: [*3 * ["L | R | R"], "R"]}
+
+
+@pytest.mark.slow
+def test_cycles_with_impacts_in_a_row_are_born_at_a_grazing() -> None:
+    """Nordmark's map: all seven words of up to four points with R are born, L to its other side.
+
+    Words by Newton's method from many starts at mu = 0.002, independently of the engine.
+    """
+    for a, c, r in ((0.5, 0.05, 1.0), (0.6, 0.05, 0.5)):
+        pieces = {"L": (a * x + y + mu, -c * x), "R": (y + mu - sympy.sqrt(x), -c * r**2 * x)}
+        map_ = expression_map((x, y), (mu,), pieces, SIDES)
+        start = np.linalg.solve([[1.0 - a, -1.0], [c, 1.0]], [-0.05, 0.0])
+        settings = CurveSettings(spans=((-0.1, 0.1),), window=((-2.0, 2.0),) * 2)
+        found = connected(map_, start, [-0.05], settings, orders=(1, 2, 3, 4)).diagram
+        words = [hit.branch.word.replace(" | ", "") for hit in found.at(0.002)]
+        each = ("R", "LR", "LLR", "LRR", "LLLR", "LLRR", "LRRR")
+        assert sorted(words) == sorted(word for word in each for _ in word)
+
+
+def test_test_functions_beyond_a_root_have_no_value_and_give_no_warning() -> None:
+    """At x = -1 sqrt(x) has no slope: determinants of nan would warn."""
+    map_ = expression_map((x, y), (mu,), {"R": (y + mu - sympy.sqrt(x), -x / 2)})
+    orbit = orbit_of(map_.pieces, np.array([[-1.0, 0.0]]), np.zeros(1))
+    assert np.isnan([Multiplier(kind).value(orbit) for kind in ("LP", "PD", "NS")]).all()
 
 
 @pytest.mark.slow
