@@ -288,6 +288,10 @@ def test_where_two_solutions_of_a_path_meet_a_branch_does_not_come_back(start: f
         # At a corner it took another crossing for its own, a part of 5e-5 of the window away, and
         # went round and round on borders of eight bounces and of ten.
         (51, 0.020014548802252202, -0.520112953993576, -1.0, "BC", 0.01944875679438, 150),
+        # Beyond a border with a root it goes on tangentially to that: it went along the border
+        # itself, until it turned and came back, and was drawn twice.
+        (98, 0.014762536224614865, -1.2668308596547462, -1.0, "LP", 0.0147453426687712, 150),
+        (98, 0.014787519503097498, -1.2761245136042163, -1.0, "LP", 0.014774251746132753, 150),
     ],
 )
 def test_round_corners_a_crossing_comes_to_its_end(

@@ -28,6 +28,8 @@ PASSED = tuple(10.0**-n for n in range(11, 4, -1))
 # The same for crossings, whose own border does not depend on the pieces that accumulate.
 PASSED_ALONG = tuple(10.0**-n for n in range(11, 1, -1))
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
+# Scaled: how far along the border of a crossing that ends at once another one is sought.
+ALONG = tuple(2.0**-n for n in range(32, 15, -1))
 JUST_AHEAD = 2.0**-20  # scaled: curves that are given up are closer than this to the end of a piece
 # Scaled: of the borders that accumulate at a corner some stay this close to each other. The gap to
 # others closes: extrapolated by tangents to the corner, at most this part of it is left; negative
@@ -264,8 +266,9 @@ def _has_ended(arc: Arc, sample: Sample) -> bool:
 
 
 def round_corner(
-    begin: Beginning, arc: Arc, way: Sequence[Sample], cause: str
-) -> Continuation | None:
+    begin: Beginning, arc: Arc, way: Sequence[Sample], cause: str,
+    widths: Sequence[float] = CORNER,
+) -> Continuation | None:  # fmt: skip
     """The jump crossing on another border that leaves the corner at which its own border ends."""
     # Many steep margins may vanish at the corner. So the jump is sought at a distance, both ahead
     # and beside the last samples: there the piece between the two borders becomes ever thinner.
@@ -284,7 +287,7 @@ def round_corner(
         if back == p:
             continue  # at the corner's parameter there is no direction to leave it
         close = BESIDE[-1] * problem.x_scale[0]
-        for width in (each * problem.x_scale[0] for each in CORNER):
+        for width in (each * problem.x_scale[0] for each in widths):
             places += [(sample, back, at + close, at + width)]
             places += [(sample, back, at - width, at - close)]
     last_choice: Continuation | None = None
@@ -301,6 +304,18 @@ def round_corner(
                 return rounded
             last_choice = last_choice or rounded
     return last_choice  # beside a thin piece its two borders may not be told apart
+
+
+def along_tangent(
+    begin: Beginning, arc: Arc, way: Sequence[Sample], cause: str, other: Beginning
+) -> Continuation | None:
+    """The crossing that leaves a corner tangentially to another one, which ends there at once."""
+    # Beyond a border with a root a jump parts from it like a square. The thin piece between both
+    # does not show in the germ of the corner: those on either side seem to meet along the border.
+    ahead = (other.curve.advance(other.sample, away) for away in ALONG)
+    samples = *(sample for sample in ahead if sample is not None), arc.samples[-1]
+    found = round_corner(begin, replace(arc, samples=samples), way, cause, PASSED)
+    return None if found is None or leads_back(way, found[0]) else found
 
 
 def _closes_in(problem: Problem, found: Sample, own: Sample | None, corner: Sample) -> bool:

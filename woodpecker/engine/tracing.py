@@ -16,6 +16,7 @@ from woodpecker.engine.arrivals import (
     BESIDE,
     Arrival,
     Continuation,
+    along_tangent,
     cause_of,
     causes_of,
     crossing_beyond,
@@ -537,7 +538,9 @@ def _at_crossing(
         if each.is_crossing and each.key != arrived and not leads_back(way, each)
     ]
     if len(others) == 1:
-        return others[0], cause, True
+        is_long = beside(others[0], BESIDE[:1]).before is not None
+        tangent = None if is_long else along_tangent(begin, arc, way, cause, others[0])
+        return tangent or (others[0], cause, True)
     return (
         crossing_beyond(begin, arc, cause)
         or round_corner(begin, arc, way, cause)
