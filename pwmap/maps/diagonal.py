@@ -239,10 +239,10 @@ class Cycle:
 def cycle_of(map_: Decided, word: str) -> Cycle:
     """The cycle that visits the pieces a word names."""
     indices = _read_word(map_, word)
-    points, multiplier = _cycle_points(map_, indices)
+    points, images, multiplier = _cycle_points(map_, indices)
     conditions: list[sympy.Basic] = []
     signs: list[tuple[Fraction_, bool]] = []
-    for point, layout, index in zip(points, map_.layouts(len(word)), indices, strict=True):
+    for point, layout, index in zip(images, map_.layouts(len(word)), indices, strict=True):
         for relation, margin, closed in conditions_on(map_, point, layout, index):
             if margin[0] or not closed:  # otherwise the point is this break for all parameters
                 signs.append((margin, closed))
@@ -307,7 +307,10 @@ def _read_word(map_: Decided, word: str) -> Word:
     return tuple(indices)
 
 
-def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
+def _cycle_points(
+    map_: Decided, word: Word
+) -> tuple[list[Fraction_], list[Fraction_], sympy.Expr]:
+    """The points of a cycle, each as the image of the one before, which it must be; its slope."""
     root = word[: map_.period(word)]  # a power of a word has the points of that word
     slope = map_.orbits.slope(word)
     at = _point_piece(map_, root)
@@ -315,17 +318,19 @@ def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], sympy.Exp
     if at is None and map_.is_zero(slope[0] - slope[1]):
         root, at = word, _isolated_cut(map_, word)
     if at is None:
-        points = _orbit(map_, map_.orbits.fixed_point(root), root)
+        points = images = _orbit(map_, map_.orbits.fixed_point(root), root[:-1])
     else:
-        turned = root[at.steps :] + root[: at.steps]
+        last, turned = len(root) - at.steps, root[at.steps :] + root[: at.steps]
         points = _orbit(map_, map_.orbits.preimage(at.k, ()), turned)
-        points = points[len(root) - at.steps :] + points[: len(root) - at.steps]
-    return points * (len(word) // len(root)), multiplier
+        images = points[last:] + points[1:last]
+        points = points[last:-1] + points[:last]
+    turns = len(word) // len(root)
+    return points * turns, images * turns, multiplier
 
 
 def _orbit(map_: Decided, start: Fraction_, word: Word) -> list[Fraction_]:
-    """A point and its images along a word, without the last image."""
-    return [*accumulate(word[:-1], map_.orbits.table.image, initial=start)]
+    """A point and its images along a word."""
+    return [*accumulate(word, map_.orbits.table.image, initial=start)]
 
 
 def _point_piece(map_: Decided, word: Word) -> Cut | None:

@@ -674,6 +674,9 @@ def test_a_relay_with_a_point_of_its_own() -> None:
         "LR": Interval.open(-third, third),
         "MR": FiniteSet(2 * third),
     }
+    for word, values in existence(diagram).items():
+        conditions = sympy.And(*map_.cycle(word).conditions).as_set()
+        assert conditions & Interval(-2, 2) == values
     exact = {b.word: b.exact for b in diagram.branches if b.kind is BranchKind.FIXED_POINT}
     assert equal(exact["LR"]["x"], 2 * M - 2 * third)
     assert equal(exact["RL"]["x"], 2 * M + 2 * third)
