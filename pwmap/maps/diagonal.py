@@ -307,9 +307,7 @@ def _read_word(map_: Decided, word: str) -> Word:
     return tuple(indices)
 
 
-def _cycle_points(
-    map_: Decided, word: Word
-) -> tuple[list[Fraction_], list[Fraction_], sympy.Expr]:
+def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], list[Fraction_], sympy.Expr]:
     """The points of a cycle, each as the image of the one before, which it must be; its slope."""
     root = word[: map_.period(word)]  # a power of a word has the points of that word
     slope = map_.orbits.slope(word)
@@ -317,20 +315,16 @@ def _cycle_points(
     multiplier = quotient_to_sympy(slope) if at is None else sympy.nan
     if at is None and map_.is_zero(slope[0] - slope[1]):
         root, at = word, _isolated_cut(map_, word)
-    if at is None:
-        points = images = _orbit(map_, map_.orbits.fixed_point(root), root[:-1])
-    else:
-        last, turned = len(root) - at.steps, root[at.steps :] + root[: at.steps]
-        points = _orbit(map_, map_.orbits.preimage(at.k, ()), turned)
-        images = points[last:] + points[1:last]
-        points = points[last:-1] + points[:last]
+    orbits, table = map_.orbits, map_.orbits.table
+    first, start = (
+        (0, orbits.fixed_point(root)) if at is None else (at.steps, orbits.preimage(at.k, ()))
+    )
+    orbit = [*accumulate(root[first:] + root[:first], table.image, initial=start)]
+    last = len(root) - first  # the place of the first letter in it
+    points = orbit[last:-1] + orbit[:last]
+    images = points if at is None else orbit[last:] + orbit[1:last]
     turns = len(word) // len(root)
     return points * turns, images * turns, multiplier
-
-
-def _orbit(map_: Decided, start: Fraction_, word: Word) -> list[Fraction_]:
-    """A point and its images along a word."""
-    return [*accumulate(word, map_.orbits.table.image, initial=start)]
 
 
 def _point_piece(map_: Decided, word: Word) -> Cut | None:

@@ -490,8 +490,9 @@ def test_first_cycles_of_a_period_of_the_tent_map(j: int, polynomial: sympy.Expr
 
     The turning point -1 goes to s, -s^2 and s (2 - s^2), then its distance from the fixed point 0
     grows by -s in each step: after j steps it is at (-1)^(j-3) s^(j-2) (2 - s^2), back at -1 for
-    s^j - 2 s^(j-2) = 1 if j is odd [Block1980]. The roots fall towards sqrt(2), where two bands merge. Below sqrt(2), P_2 on a band is a
-    tent of slope s^2: period 6 begins at sqrt((1 + sqrt 5)/2) [MilnorThurston1988].
+    s^j - 2 s^(j-2) = 1 if j is odd [Block1980]. The roots fall towards sqrt(2), where two bands
+    merge. Below sqrt(2), P_2 on a band is a tent of slope s^2: period 6 begins at sqrt((1 + sqrt
+    5)/2) [MilnorThurston1988].
     """
     cells = parameter_cells(SLOPE, "s", orders=(j,), span=(1, 2))
     (root,) = roots_in(polynomial)
