@@ -95,9 +95,14 @@ def checked_name(text: str) -> str:
         raise ValueError(f"{shown(text)} is no name")
     if len(name) > MAX_NAME:
         raise ValueError(f"a name has at most {MAX_NAME} characters, got {shown(text)}")
+    check_meaning(name)
+    return name
+
+
+def check_meaning(name: str) -> None:
+    """ValueError if a name, also one of a symbol, has another meaning in text."""
     if name in _CONSTANTS or name in ("None", "True", "False") or name in FUNCTIONS:
         raise ValueError(f"{name} cannot be the name of a variable or parameter")
-    return name
 
 
 class _Parser:

@@ -239,10 +239,10 @@ class Cycle:
 def cycle_of(map_: Decided, word: str) -> Cycle:
     """The cycle that visits the pieces a word names."""
     indices = _read_word(map_, word)
-    points, multiplier = _cycle_points(map_, indices)
+    points, images, multiplier = _cycle_points(map_, indices)
     conditions: list[sympy.Basic] = []
     signs: list[tuple[Fraction_, bool]] = []
-    for point, layout, index in zip(points, map_.layouts(len(word)), indices, strict=True):
+    for point, layout, index in zip(images, map_.layouts(len(word)), indices, strict=True):
         for relation, margin, closed in conditions_on(map_, point, layout, index):
             if margin[0] or not closed:  # otherwise the point is this break for all parameters
                 signs.append((margin, closed))
@@ -307,25 +307,24 @@ def _read_word(map_: Decided, word: str) -> Word:
     return tuple(indices)
 
 
-def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
+def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], list[Fraction_], sympy.Expr]:
+    """The points of a cycle, each as the image of the one before, which it must be; its slope."""
     root = word[: map_.period(word)]  # a power of a word has the points of that word
     slope = map_.orbits.slope(word)
     at = _point_piece(map_, root)
     multiplier = quotient_to_sympy(slope) if at is None else sympy.nan
     if at is None and map_.is_zero(slope[0] - slope[1]):
         root, at = word, _isolated_cut(map_, word)
-    if at is None:
-        points = _orbit(map_, map_.orbits.fixed_point(root), root)
-    else:
-        turned = root[at.steps :] + root[: at.steps]
-        points = _orbit(map_, map_.orbits.preimage(at.k, ()), turned)
-        points = points[len(root) - at.steps :] + points[: len(root) - at.steps]
-    return points * (len(word) // len(root)), multiplier
-
-
-def _orbit(map_: Decided, start: Fraction_, word: Word) -> list[Fraction_]:
-    """A point and its images along a word, without the last image."""
-    return [*accumulate(word[:-1], map_.orbits.table.image, initial=start)]
+    orbits, table = map_.orbits, map_.orbits.table
+    first, start = (
+        (0, orbits.fixed_point(root)) if at is None else (at.steps, orbits.preimage(at.k, ()))
+    )
+    orbit = [*accumulate(root[first:] + root[:first], table.image, initial=start)]
+    last = len(root) - first  # the place of the first letter in it
+    points = orbit[last:-1] + orbit[:last]
+    images = points if at is None else orbit[last:] + orbit[1:last]
+    turns = len(word) // len(root)
+    return points * turns, images * turns, multiplier
 
 
 def _point_piece(map_: Decided, word: Word) -> Cut | None:

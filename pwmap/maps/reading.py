@@ -27,7 +27,7 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import variables
-from pwmap.algebra.parsing import checked_name, term_of
+from pwmap.algebra.parsing import check_meaning, checked_name, term_of
 from pwmap.algebra.terms import Operation, Term, plain_name
 from pwmap.maps.profiles import Profile, ProfileLine, slot_name
 from pwmap.maps.words import Layout, Table
@@ -140,6 +140,8 @@ def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> 
     for condition in assumed:
         if plain_name(x) in condition.names():
             raise ValueError(f"the assumption {condition} holds {x}, the variable of the map")
+    for name in (plain_name(x), *chosen):
+        check_meaning(name)
     if len(chosen) > MAX_PARAMETERS:
         raise ValueError(f"a map may have {MAX_PARAMETERS} parameters, this one has more")
     named = set().union(*(condition.names() for condition in assumed))

@@ -84,10 +84,7 @@ class Attracted:
 
 
 class Samples:
-    """The attractors at rational values of a parameter, computed once each.
-
-    Images of breaks, and cycles that they may meet, are considered up to the ``order``.
-    """
+    """The attractors at rational values, once each, with images and cycles up to an ``order``."""
 
     def __init__(
         self, map_: PiecewiseLinearMap, order: int, meter: Meter, span: tuple[Number, Number]

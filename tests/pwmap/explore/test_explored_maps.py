@@ -138,6 +138,14 @@ def test_what_is_left_out_is_said() -> None:
     assert (len(rows), rows[-1]) == (61, ["and 904 more"])
 
 
+@pytest.fixture
+def shown(monkeypatch: pytest.MonkeyPatch) -> list[MapState]:
+    """The maps that the command shows."""
+    maps = list[MapState]()
+    monkeypatch.setattr("pwmap.explore.map_page.run", lambda state, *_, **__: maps.append(state))
+    return maps
+
+
 @pytest.mark.parametrize(
     ("arguments", "wrong"),
     [
@@ -147,11 +155,10 @@ def test_what_is_left_out_is_said() -> None:
     ],
 )
 def test_the_command_refuses_what_a_page_cannot_show(
-    arguments: tuple[str, ...], wrong: str, monkeypatch: pytest.MonkeyPatch
+    arguments: tuple[str, ...], wrong: str, shown: list[MapState]
 ) -> None:
-    monkeypatch.setattr("pwmap.explore.map_page.run", lambda *_, **__: None)
     result = CliRunner().invoke(app, ["explore", *arguments])
-    assert (result.exit_code, wrong in result.stderr) == (2, True)
+    assert (result.exit_code, wrong in result.stderr, shown) == (2, True, [])
 
 
 @pytest.mark.parametrize(
@@ -166,11 +173,9 @@ def test_the_command_refuses_what_a_page_cannot_show(
     ],
 )
 def test_signs_that_a_map_needs_are_those_at_its_values(
-    formula: str, values: dict, given: str, span: tuple, monkeypatch: pytest.MonkeyPatch
+    formula: str, values: dict, given: str, span: tuple, shown: list[MapState]
 ) -> None:
     """Denominators and the order of breaks: all answers come, and the link has what is assumed."""
-    shown = list[MapState]()
-    monkeypatch.setattr("pwmap.explore.map_page.run", lambda state, *_, **__: shown.append(state))
     sets = [part for name, value in values.items() for part in ("--set", f"{name}={value}")]
     result = CliRunner().invoke(app, ["explore", formula, *sets])
     assert (result.exit_code, result.stderr) == (0, "")
@@ -187,9 +192,7 @@ def test_a_sign_that_a_map_does_not_have_at_its_values_is_asked_for() -> None:
     )  # fmt: skip
 
 
-def test_an_assumption_is_taken_without_a_formula(monkeypatch: pytest.MonkeyPatch) -> None:
-    shown = list[MapState]()
-    monkeypatch.setattr("pwmap.explore.map_page.run", lambda state, *_, **__: shown.append(state))
+def test_an_assumption_is_taken_without_a_formula(shown: list[MapState]) -> None:
     CliRunner().invoke(app, ["explore", "--given", "a > 2", "--set", "a=3"])
     assert [(state.given, state.place) for state in shown] == [("a > 2", {"a": "3", "r": "1"})]
 

@@ -97,6 +97,13 @@ def test_longer_cycles_are_told_by_their_words_or_open() -> None:
     assert all(cell.lower < cell.sample < cell.upper for cell in found.cells)
 
 
+def places_in(cell: AttractorCell) -> list[Fraction]:
+    """The middle of a cell, and a place close to each of its ends, which are good to 10^-29."""
+    low, high = (Fraction(str(sympy.N(end, 30))) for end in (cell.lower, cell.upper))
+    little = Fraction(1, 10**9)
+    return [low + (high - low) * part for part in (little, Fraction(1, 2), 1 - little)]
+
+
 def from_fifth_to_quarter(word: str) -> Fraction:
     """Where p > 1/5 lets 1/2 come back along L (p x + 2 p) and M (1 - p - 2 x), or 1/4."""
     p, x = sympy.Symbol("p"), Rational(1, 2)
@@ -126,10 +133,7 @@ def test_a_cell_beside_an_open_one_is_right_from_its_end_on() -> None:
     assert known
     assert found.open
     for cell in known:
-        low, high = (Fraction(str(sympy.N(end, 30))) for end in (cell.lower, cell.upper))
-        little = Fraction(1, 10**9)  # of the cell; ends are good to 10^-29
-        for part in (little, Fraction(1, 2), 1 - little):
-            place = low + (high - low) * part
+        for place in places_in(cell):
             lives = [word for word, (first, last) in ends.items() if first < place < last]
             assert sorted(lives) == list(cell.cycles)
 
@@ -144,10 +148,7 @@ def test_a_cell_begins_where_its_own_cycle_does() -> None:
     known = [cell for cell in found.cells if not cell.is_open and cell.cycles]
     assert [len(cell.cycles[0]) for cell in known] == [2, 3, 4, 5, 7]
     for cell in known:
-        low, high = (Fraction(str(sympy.N(end, 30))) for end in (cell.lower, cell.upper))
-        little = Fraction(1, 10**9)  # of the cell; ends are good to 10^-29
-        for part in (little, Fraction(1, 2), 1 - little):
-            p = low + (high - low) * part
+        for p in places_in(cell):
             x, word = 2 * p, "M"
             while x > 1:
                 x, word = 2 * p * x - Fraction(1, 2), word + "R"

@@ -80,29 +80,19 @@ def test_an_iterate_of_too_many_pieces_says_how_many() -> None:
         refined(pieces, 0, map_.oracle, Meter(budget), map_.oracle.ask)
 
 
-def interrupting(order: int) -> object:
+def test_an_interrupt_keeps_what_was_completed_if_that_is_wanted() -> None:
     def progress(done: Progress) -> None:
-        if done.order == order:
+        if done.order == 3:
             raise KeyboardInterrupt
 
-    return progress
-
-
-def test_an_interrupt_keeps_what_was_completed_if_that_is_wanted() -> None:
     calls: list[int] = []
-    progress = interrupting(3)
     cut = bifurcation_diagram(
-        tent(),
-        "m",
-        (0, 2),
-        range(1, 7),
-        progress=progress,
-        on_interrupt=lambda: calls.append(1),  # type: ignore[arg-type]
+        tent(), "m", (0, 2), range(1, 7), progress=progress, on_interrupt=lambda: calls.append(1)
     )
     assert seen(cut) == seen(bifurcation_diagram(tent(), "m", (0, 2), (1, 2, 3)))
     assert (cut.given, calls) == (("stopped after orders 1..3: interrupted",), [1])
     with pytest.raises(KeyboardInterrupt):
-        bifurcation_diagram(tent(), "m", (0, 2), range(1, 7), progress=progress)  # type: ignore[arg-type]
+        bifurcation_diagram(tent(), "m", (0, 2), range(1, 7), progress=progress)
 
 
 def test_long_texts_keep_their_beginning_and_their_end() -> None:

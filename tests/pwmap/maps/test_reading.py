@@ -271,9 +271,15 @@ def test_an_object_that_has_no_text_is_named_by_its_type() -> None:
     "name", ["nan", "oo", "zoo", "inf", "I", "pi", "E", "None", "Max", "infinity", "NaN"]
 )
 def test_constants_do_not_become_parameters(name: str) -> None:
-    for text in (f"{name}*x", f"Piecewise((1, x < {name}), (2, True))"):
-        with pytest.raises(ValueError, match=f"{name} cannot be the name of a variable or param"):
+    """Nor do symbols of such names, whose formulas would be read as of other numbers."""
+    refused = f"{name} cannot be the name of a variable or param"
+    for text in (f"{name}*x", f"Piecewise((1, x < {name}), (2, True))", Symbol(name) * X):
+        with pytest.raises(ValueError, match=refused):
             read(text)
+    with pytest.raises(ValueError, match=refused):
+        read(2 * Symbol(name), Symbol(name))
+    with pytest.raises(ValueError, match=refused):
+        read("a*x", given=[Symbol(name) > 0])
     with pytest.raises(ValueError, match="the variable must be a symbol such as x: "):
         read("1", name)
 
