@@ -118,30 +118,21 @@ def _hides(curve: SolutionCurve, a: Sample, bound: ArcEnd) -> bool:
     )
 
 
-def asked_before(
-    curve: SolutionCurve,
-    a: Sample,
-    b: Sample,
-    step: float,
-    ends: list[ArcEnd],
-    asked: Callable[[Sample], bool],
-) -> list[ArcEnd]:
-    """The events, and before them the point at which the caller asks the curve to end."""
-    last = ends[0].sample if ends else b
-    if not asked(last):
-        return ends
-    low, high, found = 0.0, ends[0].distance if ends else step, last
+def first_where(
+    curve: SolutionCurve, a: Sample, distance: float, b: Sample, holds: Callable[[Sample], bool]
+) -> tuple[float, Sample]:
+    """Where a condition that holds at a distance, and not at the first sample, begins to hold."""
+    low, high, found = 0.0, distance, b
     while high - low > LOCATED:  # bisection
         middle = 0.5 * (low + high)
         sample = curve.advance(a, middle)
         if sample is None:
             raise StepTooLongError
-        if asked(sample):
+        if holds(sample):
             high, found = middle, sample
         else:
             low = middle
-    test = TestFunction(Stop.ASKED, lambda sample: float(asked(sample)))
-    return [ArcEnd(high, test, found, high - low), *ends]
+    return high, found
 
 
 def _multipliers(
@@ -203,6 +194,21 @@ def _right_at_end(
             sample = curve.start(found.orbit, a.tangent)
             if found.converged and np.isfinite(sample.tangent).all():
                 return ArcEnd(step, test, sample, LOCATED)
+    # A jump may have closed before, as the piece beyond it ended. That is too thin to be seen at
+    # last, where the line through two values leads on to zero.
+    started, seen = test.value(a), curve.advance(a, (1.0 - SUDDEN) * step)
+
+    def vanishes(at: Sample) -> bool:
+        return _is_rounding(test, at, test.value(at), started)
+
+    if seen is not None and vanishes(seen):
+        first, sample = first_where(curve, a, step, b, vanishes)
+        near, far = (curve.advance(a, (1.0 - k * SUDDEN) * first) for k in (1, 2))
+        if near is not None and far is not None:
+            value = test.value(near)
+            off = SUDDEN * first * abs(value / (test.value(far) - value) - 1.0)
+            if off < 0.25 * SUDDEN * first:  # else it vanishes like a higher power
+                return ArcEnd(first, test, sample, LOCATED + 2.0 * off)
     return ArcEnd(step, test, b, LOCATED)
 
 

@@ -12,14 +12,15 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
-from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.ends import (
     CHECK_HALFWAY,
+    LOCATED,
     ROUNDED_OFF,
     ArcEnd,
     StepTooLongError,
-    asked_before,
     ends_between,
+    first_where,
 )
 from woodpecker.engine.maps import SpacePiece, margins_decide, taken
 from woodpecker.engine.newton import STEEP, solve
@@ -120,7 +121,7 @@ def _step(
         raise StepTooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
     ends = ends_between(curve, last, found, step, starts=before is None)
     if halt.asked is not None:
-        ends = asked_before(curve, last, found, step, ends, halt.asked)
+        ends = _asked_before(curve, last, found, step, ends, halt.asked)
     sample, border = (ends[0].sample, ends[0].test.border) if ends else (found, None)
     if math.isnan(sample.orbit.share):
         raise StepTooLongError  # a limit has no value, as may happen beyond a border
@@ -129,6 +130,19 @@ def _step(
     if not curve.agrees(sample.orbit, border, is_last=sample is at_end):
         raise StepTooLongError(0.25, Stop.OTHER_PIECE)
     return _Step(found, ends, turn, at_end is not None)
+
+
+def _asked_before(
+    curve: SolutionCurve, a: Sample, b: Sample, step: float, ends: list[ArcEnd],
+    asked: Callable[[Sample], bool],
+) -> list[ArcEnd]:  # fmt: skip
+    """The events, and before them the point at which the caller asks the curve to end."""
+    last = ends[0].sample if ends else b
+    if not asked(last):
+        return ends
+    test = TestFunction(Stop.ASKED, lambda sample: float(asked(sample)))
+    first, found = first_where(curve, a, ends[0].distance if ends else step, last, asked)
+    return [ArcEnd(first, test, found, LOCATED), *ends]
 
 
 def _ended(curve: SolutionCurve, samples: Sequence[Sample], last: _Step, step: float) -> Arc:

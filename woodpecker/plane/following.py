@@ -302,7 +302,7 @@ def _precision(
     if arc is not None and arc.stop is Stop.SPECIAL:
         way = sample.tangent[-2:] * plane.scale[1:]
         error = error_of_test(plane, kind, curve, orbit)
-        known = known + np.abs(way) * _location_error(arc, error)
+        known = known + np.abs(way) * max(_location_error(arc, error), arc.width)
     one, other = known.tolist()
     return one, other
 

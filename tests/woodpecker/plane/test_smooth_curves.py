@@ -241,6 +241,16 @@ def test_where_a_function_vanishes_flatly_its_zero_is_not_well_known() -> None:
     assert kinds.count("JC") == 1
 
 
+def test_a_jump_closes_where_the_piece_beyond_it_ends() -> None:
+    """x/2 + p below 0, x/3 + p + q up to q, then -x/2 + p: at x = 0 it jumps by q, if q > 0."""
+    pieces = (X / 2 + P, X < 0), (X / 3 + P + Q, X < Q), (P - X / 2, True)
+    family = smooth(sympy.Piecewise(*pieces))
+    found = through(family, 0.5, kind=BC, near=0.0)
+    (closes,) = [each for each in found.points if each.kind is PlaneKind.JUMP_CLOSES]
+    assert abs(closes.values[0]) < 1e-12
+    assert abs(closes.values[1]) < closes.precision[1] < 1e-6
+
+
 @pytest.mark.slow
 def test_a_span_may_end_at_the_point_itself() -> None:
     """Found anew it may lie beyond by rounding."""
