@@ -17,8 +17,8 @@ from woodpecker.slices.slices import slices_at
 
 NEUTRAL = 1e-6  # of 1 - |multiplier|: closer, rounding decides on stability; the ends of
 # intervals of fixed points, such as states of rest, have the multiplier one exactly
-LONGER = 16  # times as many points of an orbit that neither repeats nor diverges from others: it
-# may be settling still, and exponents over a hundred points vary by some 0.03
+LONGER = 16  # times as many points of an orbit without a period: it may be settling still, even if
+# chaos comes first, and exponents over a hundred points vary by some 0.03
 STEADY = 1e-9  # largest |exponent| of orbits at rest, where all slopes are one
 
 
@@ -100,15 +100,14 @@ def attractors_at(
         found = orbit_diagram(
             map_, p, starts, within, transient=survey.transient, keep=keep, settings=settings
         )
+        kinds |= {_attractor(orbit) for orbit in found.orbits if orbit.period}
         if found.lost:
             kinds.add(SampledAttractor(Settles.LOST))
-        told = [(_attractor(orbit), orbit.x[-1]) for orbit in found.orbits]
-        kinds |= {kind for kind, _ in told if kind.kind is not Settles.LONG}
-        starts = np.array([x for kind, x in told if kind.kind is Settles.LONG])
-        if not len(starts):
+        left = [orbit for orbit in found.orbits if not orbit.period]
+        starts = np.array([orbit.x[-1] for orbit in left])
+        if not left:
             break
-    else:
-        kinds.add(SampledAttractor(Settles.LONG))
+    kinds.update(map(_attractor, left))
     return tuple(sorted(kinds, key=lambda each: (list(Settles).index(each.kind), each.period)))
 
 
