@@ -93,11 +93,8 @@ def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
 
 def _branch(content: Mapping[str, Any], data: ToyData) -> None:
     # Whether the claims are consistent is checked first, since the proof takes minutes.
-    terms, flips, texts = (
-        whole("terms", content["terms"], 1, 30),
-        content["flips"],
-        content["pieces"],
-    )
+    terms = whole("terms", content["terms"], 1, 30)
+    flips, texts = content["flips"], content["pieces"]
     if not texts or not len(texts) == len(content["multiplier"]) == len(content["stable"]):
         raise Refused("each piece has a multiplier and a claim on stability")
     places = [k for k in range(len(texts)) if k in flips]

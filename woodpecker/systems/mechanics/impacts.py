@@ -47,7 +47,7 @@ from woodpecker.systems.mechanics.index_sets import ContactState
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 from woodpecker.systems.mechanics.status import MotionStatus, StoppedError
 
-EXPANSION = 2**11  # number of this phase: compression has one for each vertex, and fewer
+EXPANSION = 2**11  # number of this phase, above those of compression: one for each vertex
 IMPLIED = 1e-10  # relative: what rounding may leave of a direction, or a rate, that others imply
 ENUMERATED = 6**4  # cases up to which all are tried: those of four contacts with friction
 
